@@ -1,0 +1,41 @@
+# Compiler options of every target: kjoint_fortran(target), and of a library: kjoint_library(target)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release or Debug" FORCE)
+endif()
+
+# gfortran 12 calls the descriptors of allocatable arrays uninitialized when it optimizes, wrongly;
+# so that warning stands in Debug alone.
+# Each `a*b + c` is rounded twice (-ffp-contract=off): same deck, same bits, with any -march.
+function(kjoint_fortran target)
+  if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:Fortran>:
+      -std=f2008 -ffp-contract=off
+      -Wall -Wextra -pedantic -Wimplicit-interface -Wconversion
+      $<$<NOT:$<CONFIG:Debug>>:-Wno-uninitialized -Wno-maybe-uninitialized>
+      $<$<BOOL:${KJOINT_WERROR}>:-Werror>>)
+  endif()
+  if(KJOINT_MARCH)
+    target_compile_options(${target} PRIVATE -march=${KJOINT_MARCH})
+  endif()
+  if(KJOINT_SANITIZE)
+    target_compile_options(${target} PRIVATE -g -fno-omit-frame-pointer
+      -fsanitize=address,undefined -fno-sanitize-recover=undefined
+      $<$<COMPILE_LANGUAGE:Fortran>:-fcheck=all,no-array-temps>)
+    target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+  endif()
+  if(KJOINT_OPENMP)
+    find_package(OpenMP REQUIRED COMPONENTS Fortran)
+    target_link_libraries(${target} PRIVATE OpenMP::OpenMP_Fortran)
+  elseif(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:Fortran>:-fopenmp-simd>)
+  endif()
+endfunction()
+
+function(kjoint_library target)
+  kjoint_fortran(${target})
+  set_target_properties(${target} PROPERTIES
+    Fortran_MODULE_DIRECTORY ${mods} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/kjoint>)
+endfunction()

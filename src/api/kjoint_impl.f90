@@ -1,0 +1,279 @@
+!> Bodies of the public module.
+submodule (kjoint) kjoint_impl
+   use kj_error, only: fail, str
+   use kj_system, only: wall_clock
+   use kj_deck, only: read_deck
+   use kj_engine, only: engine_t, read_engine
+   use kj_build, only: build_model
+   use kj_joint_types, only: joint_types
+   use kj_state, only: new_state
+   use kj_step, only: find_accelerations, advance
+   use kj_energy, only: balance_t, balance_of
+   use kj_sample, only: new_sampler, sample_row
+   implicit none
+
+   integer, parameter :: TICK_WORK = 20000      !! joint-cycles between two looks of the monitor
+   character(len=8), parameter :: OWNER_NAME(0:2) = ['none    ', 'node    ', 'body    ']
+
+contains
+
+   module procedure load_simulation
+      type(engine_t) :: controls
+      character(len=:), allocatable :: path
+
+      sim%options = options
+      sim%root = root_of(starter)
+      call read_deck(starter, sim%deck, findings, options%ignore_unsupported)
+      if (options%until > 0.0_wp .and. len(engine) == 0) then
+         controls%t_stop = options%until
+      else
+         path = engine
+         if (len(path) == 0) path = engine_path(starter)
+         call read_engine(path, controls, sim%engine_source, findings)
+      end if
+      if (findings%n_error > 0) return
+      call build_model(sim%deck, controls, sim%model, findings)
+      if (findings%n_error > 0) return
+      associate (c => sim%model%control)
+         if (options%until > 0.0_wp) c%t_stop = options%until
+         if (options%sample >= 0.0_wp) c%sample = options%sample
+         if (options%dt_scale > 0.0_wp) c%dt_factor = options%dt_scale
+         if (.not. c%t_stop >= 0.0_wp) call fail(error, ERR_INPUT, 'the end time is negative')
+      end associate
+      call describe(sim)
+   end procedure load_simulation
+
+   module procedure run_simulation
+      real(wp), allocatable :: row(:)
+      real(wp) :: t_next, clock
+      type(error_t), allocatable :: ignored
+      logical :: due, last, stop
+      integer :: every
+
+      allocate (row(sim%history%n_value))
+      call new_state(sim%model, sim%state)
+      call sink%open(sim%history, error)
+      if (allocated(error)) return
+      every = max(1, TICK_WORK/max(1, sim%model%n_joint + sim%model%n_body))
+      t_next = 0.0_wp
+      stop = .false.
+      clock = wall_clock()
+      associate (state => sim%state, control => sim%model%control)
+         do
+            due = state%time >= t_next
+            last = state%time + 1.2_wp*state%h2 > control%t_stop .or. stop
+            call find_accelerations(sim%model, state, due .or. last, error)
+            if (allocated(error)) exit
+            if (state%cycle == 0) call start_energy(sim)
+            last = state%time + state%h2 > control%t_stop .or. stop .or. state%ended
+            if (due .or. last) then
+               call add_row(sim, sink, .not. due, row, clock, status, error)
+               t_next = min(control%t_stop, max(state%time, t_next + control%sample))
+            end if
+            if (allocated(error)) exit
+            call advance(sim%model, state, error)
+            if (last .or. allocated(error)) exit
+            if (modulo(state%cycle, every) > 0) cycle
+            call tell(sim, status)
+            call monitor%tick(status, stop)
+         end do
+      end associate
+      call tell(sim, status)
+      status%wall_solve = status%wall_solve + wall_clock() - clock
+      clock = wall_clock()
+      call monitor%tick(status, last)
+      call end_history(sink, stop, status%cycle, error, ignored)
+      status%wall_output = status%wall_output + wall_clock() - clock
+   end procedure run_simulation
+
+   module procedure simulation_title
+      title = sim%model%title
+   end procedure simulation_title
+
+   module procedure default_output
+      path = sim%root(index(sim%root, '/', back=.true.) + 1:)//'.h5'
+   end procedure default_output
+
+   !> Close the sink with the outcome; an error of the run goes before one of the sink
+   subroutine end_history(sink, stopped, cycles, error, sink_error)
+      class(sink_t), intent(inout) :: sink
+      logical, intent(in) :: stopped
+      integer, intent(in) :: cycles
+      type(error_t), allocatable, intent(inout) :: error
+      type(error_t), allocatable, intent(out) :: sink_error
+
+      if (allocated(error)) then
+         call sink%close('ERROR TERMINATION: '//error%message, cycles, error%code, sink_error)
+      else if (stopped) then
+         call sink%close('STOPPED BY USER', cycles, 130, sink_error)
+      else
+         call sink%close('NORMAL TERMINATION', cycles, 0, sink_error)
+      end if
+      if (.not. allocated(error) .and. allocated(sink_error)) call move_alloc(sink_error, error)
+   end subroutine end_history
+
+   !> Sample the state into the sink; watches the energy limit
+   subroutine add_row(sim, sink, final, row, clock, status, error)
+      type(simulation_t), intent(inout) :: sim
+      class(sink_t), intent(inout) :: sink
+      logical, intent(in) :: final
+      real(wp), intent(inout) :: row(:)
+      real(wp), intent(inout) :: clock           !! when the solver last had the processor
+      type(run_status_t), intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: now
+
+      now = wall_clock()
+      status%wall_solve = status%wall_solve + now - clock
+      call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
+      if (.not. allocated(error)) call sink%put(row, error)
+      clock = wall_clock()
+      status%wall_output = status%wall_output + clock - now
+      status%n_sample = status%n_sample + 1
+      if (allocated(error)) return
+      call tell(sim, status)
+      if (sim%options%energy_limit < 0.0_wp) return
+      if (100.0_wp*abs(status%energy_error) > sim%options%energy_limit) call fail(error, ERR_RUN, &
+         'the energy error passed its limit in cycle '//str(sim%state%cycle))
+   end subroutine add_row
+
+   !> E0 of the energy error: the energy at t = 0, less the work that cycle 0 already holds
+   subroutine start_energy(sim)
+      type(simulation_t), intent(inout) :: sim
+
+      type(balance_t) :: b
+
+      b = balance_of(sim%model, sim%state)
+      sim%state%energy0 = b%kinetic_trans + b%kinetic_rot + b%internal - sim%state%work
+   end subroutine start_energy
+
+   !> Renew the status
+   subroutine tell(sim, status)
+      type(simulation_t), intent(in) :: sim
+      type(run_status_t), intent(inout) :: status
+
+      status%cycle = sim%state%cycle
+      status%time = sim%state%time
+      status%t_stop = sim%model%control%t_stop
+      status%time_step = sim%state%h2
+      status%owner_kind = OWNER_NAME(sim%state%owner_kind)
+      status%owner = 0
+      if (sim%state%owner_kind > 0) then
+         status%owner = sim%model%node_id(sim%state%owner)
+         if (sim%state%owner <= sim%model%n_body) status%owner = sim%model%body_id(sim%state%owner)
+      end if
+      associate (b => sim%sampler%balance)
+         status%kinetic = b%kinetic_trans + b%kinetic_rot
+         status%internal = b%internal
+      end associate
+      status%energy_error = sim%sampler%energy_error
+      status%work = sim%state%work
+      status%n_joint = sim%model%n_joint
+      status%n_body = sim%model%n_body
+      status%n_node = sim%model%n_node
+      status%print_every = sim%model%control%print_every
+   end subroutine tell
+
+   !> What the history says of the scene
+   subroutine describe(sim)
+      type(simulation_t), intent(inout) :: sim
+
+      integer :: i, n
+
+      associate (h => sim%history, m => sim%model)
+         h%title = m%title
+         h%units = m%units
+         n = size(m%th_joint)
+         h%joint_id = m%joint(m%th_joint)%id
+         h%joint_type = joint_types(m%joint(m%th_joint)%row)%id
+         h%joint_property = m%joint(m%th_joint)%property
+         allocate (h%joint_node(2, n), h%joint_body(2, n), h%joint_label(n))
+         do i = 1, n
+            h%joint_node(:, i) = m%node_id(m%joint(m%th_joint(i))%node)
+            h%joint_body(:, i) = body_ids(m, m%joint(m%th_joint(i))%node)
+            h%joint_label(i)%s = m%joint_name(m%th_joint(i))%s
+         end do
+         n = size(m%th_body)
+         h%body_id = m%body_id(m%th_body)
+         h%body_main_node = m%node_id(m%th_body)
+         h%body_mass = m%mass(m%th_body)
+         h%body_inertia = transpose(m%principal(m%th_body, :))
+         allocate (h%body_axes(3, 3, n), h%body_label(n))
+         do i = 1, n
+            h%body_axes(:, :, i) = reshape(m%axes(m%th_body(i), :), [3, 3])
+            h%body_label(i)%s = m%body_name(m%th_body(i))%s
+         end do
+         n = size(m%th_node)
+         h%node_id = m%node_id(m%th_node)
+         allocate (h%node_label(n))
+         do i = 1, n
+            h%node_label(i)%s = m%th_node_name(i)%s
+         end do
+      end associate
+      call keep_inputs(sim)
+      call new_sampler(sim%model, sim%history, sim%sampler)
+   end subroutine describe
+
+   !> User ids of the bodies that carry two nodes, 0 for a free node
+   pure function body_ids(model, node) result(ids)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: node(2)
+      integer :: ids(2)
+
+      integer :: e
+
+      ids = 0
+      do e = 1, 2
+         if (model%lead(node(e)) <= model%n_body) ids(e) = model%body_id(model%lead(node(e)))
+      end do
+   end function body_ids
+
+   !> The decks go into the history as they are
+   subroutine keep_inputs(sim)
+      type(simulation_t), intent(inout) :: sim
+
+      integer :: i, n
+
+      n = sim%deck%n_source
+      if (allocated(sim%engine_source%text)) n = n + 1
+      allocate (sim%history%input_name(n), sim%history%input_text(n), sim%history%input_role(n))
+      do i = 1, n
+         if (i <= sim%deck%n_source) then
+            call keep(sim%deck%source(i))
+         else
+            call keep(sim%engine_source)
+         end if
+      end do
+   contains
+      subroutine keep(source)
+         type(source_t), intent(in) :: source
+
+         sim%history%input_name(i)%s = source%path(index(source%path, '/', back=.true.) + 1:)
+         sim%history%input_text(i)%s = source%text
+         sim%history%input_role(i)%s = trim(source%role)
+      end subroutine keep
+   end subroutine keep_inputs
+
+   !> DECK_0000.rad -> DECK
+   pure function root_of(path) result(root)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: root
+
+      integer :: cut
+
+      cut = index(path, '_0000.rad', back=.true.)
+      if (cut == 0) cut = index(path, '.', back=.true.)
+      if (cut <= index(path, '/', back=.true.) + 1) cut = len(path) + 1
+      root = path(:cut - 1)
+   end function root_of
+
+   !> Name of the engine deck that belongs to a starter deck
+   pure function engine_path(starter) result(path)
+      character(len=*), intent(in) :: starter
+      character(len=:), allocatable :: path
+
+      path = root_of(starter)//'_0001.rad'
+   end function engine_path
+
+end submodule kjoint_impl

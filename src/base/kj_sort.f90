@@ -1,0 +1,109 @@
+!> Sorting and looking up of user ids.
+module kj_sort
+   implicit none
+   private
+
+   public :: lookup_t, new_lookup, find, sorted_order, sort_unique
+
+   !> Ids in ascending order and where each stood
+   type :: lookup_t
+      integer, allocatable :: id(:)       !! ascending
+      integer, allocatable :: place(:)    !! place of id(i) in the list it was made from
+   end type lookup_t
+
+contains
+
+   !> Stable order that sorts the keys ascending (merge sort): keys(order) ascends
+   pure function sorted_order(keys) result(order)
+      integer, intent(in) :: keys(:)
+      integer, allocatable :: order(:)
+
+      integer, allocatable :: other(:)
+      integer :: n, width, lo, mid, hi, i, j, k
+
+      n = size(keys)
+      order = [(i, i=1, n)]
+      if (all(keys(2:) >= keys(:max(0, n - 1)))) return
+      allocate (other(n))
+      width = 1
+      do while (width < n)
+         do lo = 1, n, 2*width
+            mid = min(lo + width - 1, n)
+            hi = min(lo + 2*width - 1, n)
+            i = lo
+            j = mid + 1
+            do k = lo, hi
+               if (j > hi) then
+                  other(k) = order(i)
+                  i = i + 1
+               else if (i > mid) then
+                  other(k) = order(j)
+                  j = j + 1
+               else if (keys(order(j)) < keys(order(i))) then
+                  other(k) = order(j)
+                  j = j + 1
+               else
+                  other(k) = order(i)
+                  i = i + 1
+               end if
+            end do
+         end do
+         call swap(order, other)
+         width = 2*width
+      end do
+   contains
+      pure subroutine swap(a, b)
+         integer, allocatable, intent(inout) :: a(:), b(:)
+
+         integer, allocatable :: keep(:)
+
+         call move_alloc(a, keep)
+         call move_alloc(b, a)
+         call move_alloc(keep, b)
+      end subroutine swap
+   end function sorted_order
+
+   !> The keys in ascending order without repeats
+   pure function sort_unique(keys) result(list)
+      integer, intent(in) :: keys(:)
+      integer, allocatable :: list(:)
+
+      logical, allocatable :: first(:)
+
+      list = keys(sorted_order(keys))
+      allocate (first(size(list)), source=.true.)
+      if (size(list) > 1) first(2:) = list(2:) /= list(:size(list) - 1)
+      list = pack(list, first)
+   end function sort_unique
+
+   pure subroutine new_lookup(ids, lookup)
+      integer, intent(in) :: ids(:)
+      type(lookup_t), intent(out) :: lookup
+
+      lookup%place = sorted_order(ids)
+      lookup%id = ids(lookup%place)
+   end subroutine new_lookup
+
+   !> Place of an id (the first of equals), 0 when there is none
+   pure integer function find(lookup, id) result(place)
+      type(lookup_t), intent(in) :: lookup
+      integer, intent(in) :: id
+
+      integer :: lo, hi, mid
+
+      lo = 1
+      hi = size(lookup%id)
+      do while (lo < hi)
+         mid = (lo + hi)/2
+         if (lookup%id(mid) < id) then
+            lo = mid + 1
+         else
+            hi = mid
+         end if
+      end do
+      place = 0
+      if (lo > size(lookup%id)) return
+      if (lookup%id(lo) == id) place = lookup%place(lo)
+   end function find
+
+end module kj_sort

@@ -1,0 +1,83 @@
+!> The little the library asks of the operating system: files by name, the host, the clock.
+module kj_system
+   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char
+   use, intrinsic :: iso_fortran_env, only: int64
+   use kj_kinds, only: wp
+   implicit none
+   private
+
+   public :: rename_file, remove_file, host_name, date_time, wall_clock
+
+   interface
+      integer(c_int) function c_rename(from, to) bind(c, name='rename')
+         import :: c_int, c_char
+         character(kind=c_char), intent(in) :: from(*), to(*)
+      end function c_rename
+      integer(c_int) function c_remove(path) bind(c, name='remove')
+         import :: c_int, c_char
+         character(kind=c_char), intent(in) :: path(*)
+      end function c_remove
+      integer(c_int) function c_gethostname(name, length) bind(c, name='gethostname')
+         import :: c_int, c_size_t, c_char
+         character(kind=c_char), intent(out) :: name(*)
+         integer(c_size_t), value :: length
+      end function c_gethostname
+   end interface
+
+contains
+
+   !> Give a file another name; a file that has it already is replaced in the same instant
+   subroutine rename_file(from, to, done)
+      character(len=*), intent(in) :: from, to
+      logical, intent(out) :: done
+
+      done = c_rename(from//c_null_char, to//c_null_char) == 0
+   end subroutine rename_file
+
+   !> Remove a file; a file that is not there is no failure
+   subroutine remove_file(path)
+      character(len=*), intent(in) :: path
+
+      integer(c_int) :: ignored
+
+      ignored = c_remove(path//c_null_char)
+   end subroutine remove_file
+
+   !> Name of this machine, empty when it has none
+   function host_name() result(name)
+      character(len=:), allocatable :: name
+
+      character(len=256) :: buffer
+      integer :: n
+
+      name = ''
+      buffer = ''
+      if (c_gethostname(buffer, len(buffer, c_size_t)) /= 0) return
+      n = index(buffer, c_null_char) - 1
+      if (n > 0) name = buffer(:n)
+   end function host_name
+
+   !> Date and time now as ISO 8601 has them: "2024-05-31T17:05:00.123+02:00"
+   function date_time() result(text)
+      character(len=:), allocatable :: text
+
+      character(len=8) :: day
+      character(len=10) :: clock
+      character(len=5) :: zone
+
+      call date_and_time(day, clock, zone)
+      text = day(1:4)//'-'//day(5:6)//'-'//day(7:8)//'T'//clock(1:2)//':'//clock(3:4)//':'// &
+         clock(5:10)//zone(1:3)//':'//zone(4:5)
+   end function date_time
+
+   !> Seconds of wall clock from a fixed but unknown origin
+   function wall_clock() result(seconds)
+      real(wp) :: seconds
+
+      integer(int64) :: ticks, rate
+
+      call system_clock(ticks, rate)
+      seconds = real(ticks, wp)/real(max(rate, 1_int64), wp)
+   end function wall_clock
+
+end module kj_system

@@ -1,0 +1,88 @@
+!> The program kjoint without its main: command line in, exit code out.
+module kj_cli
+   use kj_error, only: error_t
+   use kj_version, only: KJOINT_VERSION
+   use kj_info, only: describe_history
+   use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_DIFF, &
+      CMD_CONVERT, CMD_INFO, CMD_LIST, CMD_HELP, CMD_VERSION
+   use kj_terminal, only: print_line, print_text, may_colour, STDERR
+   use kj_render, only: print_failure
+   use kj_list, only: print_table
+   use kj_help, only: print_help, print_help_on
+   use kj_run_command, only: run_command
+   use kj_diff_command, only: diff_command, convert_command
+   implicit none
+   private
+
+   public :: run_cli
+
+contains
+
+   !> Do what the command line says
+   subroutine run_cli(code)
+      integer, intent(out) :: code             !! exit code
+
+      type(word_t), allocatable :: words(:)
+      type(arguments_t) :: args
+      type(error_t), allocatable :: error
+      character(len=:), allocatable :: text
+
+      call get_words(words)
+      call parse_arguments(words, args, error)
+      code = 0
+      if (.not. allocated(error)) then
+         select case (args%command)
+         case (CMD_RUN)
+            call run_command(args, command_line(words), code)
+         case (CMD_DIFF)
+            call diff_command(args, code, error)
+         case (CMD_CONVERT)
+            call convert_command(args, command_line(words), error)
+         case (CMD_INFO)
+            call describe_history(args%operand(1)%s, text, error)
+            if (.not. allocated(error)) call print_text(text)
+         case (CMD_LIST)
+            call print_table(args%operand(1)%s, error)
+         case (CMD_HELP)
+            if (args%n_operand == 0) call print_help()
+            if (args%n_operand == 1) call print_help_on(args%operand(1)%s, error)
+         case (CMD_VERSION)
+            call print_line('kjoint '//KJOINT_VERSION)
+         end select
+      end if
+      if (.not. allocated(error)) return
+      code = error%code
+      call print_failure(error, may_colour(STDERR))
+   end subroutine run_cli
+
+   subroutine get_words(words)
+      type(word_t), allocatable, intent(out) :: words(:)
+
+      integer :: i, length
+
+      allocate (words(command_argument_count()))
+      do i = 1, size(words)
+         call get_command_argument(i, length=length)
+         allocate (character(len=length) :: words(i)%s)
+         if (length > 0) call get_command_argument(i, words(i)%s)
+      end do
+   end subroutine get_words
+
+   !> The command as it was typed, words with blanks in quotes
+   pure function command_line(words) result(text)
+      type(word_t), intent(in) :: words(:)
+      character(len=:), allocatable :: text
+
+      integer :: i
+
+      text = 'kjoint'
+      do i = 1, size(words)
+         if (index(words(i)%s, ' ') > 0 .or. len(words(i)%s) == 0) then
+            text = text//' "'//words(i)%s//'"'
+         else
+            text = text//' '//words(i)%s
+         end if
+      end do
+   end function command_line
+
+end module kj_cli

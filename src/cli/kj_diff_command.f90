@@ -1,0 +1,102 @@
+!> `kjoint diff` and `kjoint convert`: options in, answer out.
+module kj_diff_command
+   use kj_error, only: error_t, fail, ERR_FILE
+   use kj_kinds, only: wp
+   use kj_metrics, only: find_metrics
+   use kj_diff, only: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, &
+      diff_json, diff_junit
+   use kj_convert, only: convert_t01
+   use kj_sink_h5, only: sink_h5_t
+   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, OPT_WINDOW, &
+      OPT_METRICS, OPT_JUNIT, OPT_RTOL, option_real
+   use kj_terminal, only: print_text
+   implicit none
+   private
+
+   public :: diff_command, convert_command
+
+contains
+
+   !> Compare two histories; the answer goes to stdout
+   !>
+   !> Errors: ERR_INPUT for a wrong option, ERR_FILE for files that cannot be read or written.
+   subroutine diff_command(args, code, error)
+      type(arguments_t), intent(in) :: args
+      integer, intent(out) :: code                  !! 0 same, 1 different
+      type(error_t), allocatable, intent(out) :: error
+
+      type(diff_options_t) :: options
+      type(diff_result_t) :: result
+      character(len=:), allocatable :: text
+
+      code = 0
+      call take_options(args, options, error)
+      if (allocated(error)) return
+      call compare_histories(args%operand(1)%s, args%operand(2)%s, options, result, error)
+      if (allocated(error)) return
+      code = result%code
+      if (args%given(OPT_JUNIT)) then
+         call diff_junit(result, text)
+         call write_file(args%value(OPT_JUNIT)%s, text, error)
+         if (allocated(error)) return
+      end if
+      if (args%given(OPT_JSON)) then
+         call diff_json(result, text)
+      else
+         call diff_text(result, options, text)
+      end if
+      call print_text(text)
+   end subroutine diff_command
+
+   !> Options of the command line as the library takes them
+   subroutine take_options(args, options, error)
+      type(arguments_t), intent(in) :: args
+      type(diff_options_t), intent(out) :: options
+      type(error_t), allocatable, intent(out) :: error
+
+      options%interpolate = args%given(OPT_INTERP)
+      if (args%given(OPT_PROFILE)) options%profile = args%value(OPT_PROFILE)%s
+      call option_real(args, OPT_RTOL, 0.0_wp, options%rtol, error)
+      if (args%given(OPT_WINDOW) .and. .not. allocated(error)) &
+         call set_window(args%value(OPT_WINDOW)%s, options, error)
+      if (args%given(OPT_METRICS) .and. .not. allocated(error)) &
+         call find_metrics(args%value(OPT_METRICS)%s, options%metrics, error)
+   end subroutine take_options
+
+   !> Write a text to a file
+   !>
+   !> Errors: ERR_FILE when that fails
+   subroutine write_file(path, text, error)
+      character(len=*), intent(in) :: path, text
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=200) :: why
+      integer :: unit, status
+
+      open (newunit=unit, file=path, access='stream', form='unformatted', status='replace', &
+            action='write', iostat=status, iomsg=why)
+      if (status == 0) then
+         write (unit, iostat=status, iomsg=why) text
+         close (unit)
+      end if
+      if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(why))
+   end subroutine write_file
+
+   !> Turn a Radioss T01 into a history
+   !>
+   !> Errors: ERR_FILE when the T01 cannot be read or the history not be written.
+   subroutine convert_command(args, command_line, error)
+      type(arguments_t), intent(in) :: args
+      character(len=*), intent(in) :: command_line
+      type(error_t), allocatable, intent(out) :: error
+
+      type(sink_h5_t) :: sink
+
+      sink%path = args%operand(1)%s(index(args%operand(1)%s, '/', back=.true.) + 1:)//'.h5'
+      if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
+      sink%command_line = command_line
+      call convert_t01(args%operand(1)%s, sink, error)
+      if (.not. allocated(error)) call print_text(sink%path)
+   end subroutine convert_command
+
+end module kj_diff_command

@@ -1,0 +1,86 @@
+!> `kjoint help`: the program, one command, or one message explained.
+module kj_help
+   use kj_error, only: error_t, fail, ERR_INPUT
+   use kj_version, only: KJOINT_VERSION
+   use kj_option, only: commands, options, has_option, did_you_mean
+   use kj_terminal, only: print_line
+   implicit none
+   private
+
+   public :: print_help, print_help_on
+
+contains
+
+   !> All commands, and the options of the main one
+   subroutine print_help()
+      integer :: i
+
+      call print_line('kjoint '//KJOINT_VERSION// &
+                      ': kinematic joints between rigid bodies, as Radioss decks have them')
+      call print_line('')
+      call print_line('usage: kjoint COMMAND ...')
+      call print_line('')
+      do i = 1, size(commands)
+         call print_row(trim(commands(i)%name)//' '//commands(i)%operands, commands(i)%meaning)
+      end do
+      call print_line('')
+      call print_options(1)
+      call print_line('')
+      call print_line('Exit codes: 0 well; 1 ran and found against you; 2 usage or deck; 3 file;')
+      call print_line('4 internal; 130, 143 stopped by a signal. `kjoint help COMMAND` says more.')
+   end subroutine print_help
+
+   !> One command, or one message by its id
+   !>
+   !> Errors: ERR_INPUT when there is neither
+   subroutine print_help_on(topic, error)
+      character(len=*), intent(in) :: topic
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: i, k
+
+      do i = 1, size(commands)
+         if (commands(i)%name /= topic) cycle
+         call print_line('usage: kjoint '//trim(commands(i)%name)//' '//trim(commands(i)%operands))
+         call print_line('')
+         call print_line('   '//trim(commands(i)%meaning))
+         if (any([(has_option(i, k), k=1, size(options))])) then
+            call print_line('')
+            call print_options(i)
+         end if
+         return
+      end do
+      call fail(error, ERR_INPUT, 'there is no command "'//topic//'"')
+      error%hint = did_you_mean(topic, commands%name)
+   end subroutine print_help_on
+
+   subroutine print_options(command)
+      integer, intent(in) :: command
+
+      character(len=:), allocatable :: name
+      integer :: i
+
+      call print_line('Options of '//trim(commands(command)%name)//':')
+      do i = 1, size(options)
+         if (.not. has_option(command, i)) cycle
+         name = '    '//trim(options(i)%name)
+         if (options(i)%short /= '') name = options(i)%short//', '//trim(options(i)%name)
+         call print_row(name//' '//options(i)%value, options(i)%meaning)
+      end do
+   end subroutine print_options
+
+   subroutine print_row(name, meaning)
+      character(len=*), intent(in) :: name, meaning
+
+      character(len=33) :: column
+
+      if (len_trim(name) >= len(column)) then
+         call print_line('   '//trim(name))
+         column = ''
+      else
+         column = name
+      end if
+      call print_line('   '//column//trim(meaning))
+   end subroutine print_row
+
+end module kj_help

@@ -1,0 +1,190 @@
+!> What a person sees of a run under way: one line that changes, or listing lines. It is also where
+!> a signal reaches the run.
+module kj_progress
+   use kj_kinds, only: wp
+   use kj_error, only: str
+   use kj_system, only: wall_clock
+   use kj_signal, only: caught_signal
+   use kj_terminal, only: print_error, print_status
+   use kjoint, only: monitor_t, run_status_t
+   implicit none
+   private
+
+   public :: progress_t, start_progress, end_progress, limiter, percent, rate
+
+   real(wp), parameter :: FIRST = 1.0_wp        !! [s] of wall clock before the first line
+   real(wp), parameter :: PAUSE = 0.2_wp        !! [s] of wall clock between two lines
+
+   integer, parameter, public :: SHOW_NOTHING = 0, SHOW_STATUS = 1, SHOW_LISTING = 2
+
+   !> Monitor of a run that reports to stderr
+   type, extends(monitor_t) :: progress_t
+      integer :: show = SHOW_NOTHING            !! SHOW_ constant
+      real(wp) :: started = 0.0_wp              !! wall clock [s]
+      real(wp) :: shown = 0.0_wp                !! wall clock of the last line
+      integer :: listed = -1                    !! cycle of the last listing line, over print_every
+      logical :: open = .false.                 !! a status line stands on the terminal
+   contains
+      procedure :: tick
+   end type progress_t
+
+contains
+
+   !> Begin to report
+   subroutine start_progress(self, show)
+      type(progress_t), intent(inout) :: self
+      integer, intent(in) :: show               !! SHOW_ constant
+
+      self%show = show
+      self%started = wall_clock()
+      self%shown = self%started + FIRST - PAUSE
+      self%listed = -1
+      self%open = .false.
+   end subroutine start_progress
+
+   !> Take the status line away
+   subroutine end_progress(self)
+      type(progress_t), intent(inout) :: self
+
+      if (self%open) call print_status('')
+      self%open = .false.
+   end subroutine end_progress
+
+   !> Report where the run is; stop it after a signal
+   subroutine tick(self, status, stop)
+      class(progress_t), intent(inout) :: self
+      type(run_status_t), intent(in) :: status
+      logical, intent(out) :: stop
+
+      real(wp) :: now
+
+      stop = caught_signal() /= 0
+      select case (self%show)
+      case (SHOW_STATUS)
+         now = wall_clock()
+         if (now - self%shown < PAUSE) return
+         self%shown = now
+         call print_status(status_line(status, now - self%started))
+         self%open = .true.
+      case (SHOW_LISTING)
+         call list(self, status)
+      end select
+   end subroutine tick
+
+   !> "42.3 %  t 0.212  dt 1.2E-05 (joint 900)  118k cycles/s  ETA 0:12  energy error 0.01 %"
+   function status_line(status, elapsed) result(text)
+      type(run_status_t), intent(in) :: status
+      real(wp), intent(in) :: elapsed           !! [s] of wall clock
+      character(len=:), allocatable :: text
+
+      character(len=80) :: buffer
+      real(wp) :: done
+
+      done = 0.0_wp
+      if (status%t_stop > 0.0_wp) done = min(1.0_wp, status%time/status%t_stop)
+      write (buffer, '(f5.1,a,es9.3,a,es8.2)') 100*done, ' %  t ', status%time, '  dt ', &
+         status%time_step
+      text = trim(buffer)//limiter(status)//'  '// &
+         rate(real(status%cycle, wp)/elapsed)//' cycles/s'
+      if (done > 0.0_wp) text = text//'  ETA '//clock(elapsed*(1.0_wp - done)/done)
+      text = text//'  energy '//percent(status%energy_error)
+   end function status_line
+
+   !> A listing line when a multiple of print_every cycles was passed
+   subroutine list(self, status)
+      class(progress_t), intent(inout) :: self
+      type(run_status_t), intent(in) :: status
+
+      character(len=100) :: buffer
+      integer :: passed
+
+      passed = status%cycle/max(1, status%print_every)
+      if (passed == self%listed) return
+      if (self%listed < 0) call print_error( &
+         '     cycle         time    time step  internal en.   kinetic en.  ext. work'// &
+         '    error  limited by')
+      self%listed = passed
+      write (buffer, '(i10,2es13.5,2es14.5,es11.3)') status%cycle, status%time, &
+         status%time_step, status%internal, status%kinetic, status%work
+      call print_error(trim(buffer)//right(percent(status%energy_error), 9)//limiter(status))
+   end subroutine list
+
+   !> "  (joint 900)": what limits the time step; empty when it is not known
+   pure function limiter(status) result(text)
+      type(run_status_t), intent(in) :: status
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (status%owner > 0) text = '  ('//trim(status%owner_kind)//' '//str(status%owner)//')'
+   end function limiter
+
+   !> A fraction as "0.012 %"
+   pure function percent(fraction) result(text)
+      real(wp), intent(in) :: fraction
+      character(len=:), allocatable :: text
+
+      character(len=24) :: buffer
+      real(wp) :: value
+
+      value = 100*fraction
+      if (abs(value) >= 1e4_wp .or. (abs(value) < 1e-3_wp .and. abs(value) > 0.0_wp)) then
+         write (buffer, '(es9.1)') value
+      else
+         write (buffer, '(f12.3)') value
+      end if
+      text = trim(adjustl(buffer))//' %'
+      if (text(1:1) == '.') text = '0'//text
+      if (text(1:2) == '-.') text = '-0'//text(2:)
+   end function percent
+
+   !> A rate in three digits: "950", "12.3 k", "1.20 M"
+   pure function rate(per_second) result(text)
+      real(wp), intent(in) :: per_second
+      character(len=:), allocatable :: text
+
+      character(len=3), parameter :: unit(0:4) = ['   ', ' k ', ' M ', ' G ', ' T ']
+      character(len=12) :: buffer
+      real(wp) :: value
+      integer :: i
+
+      value = per_second
+      do i = 0, 3
+         if (value < 999.5_wp) exit
+         value = value/1000
+      end do
+      if (value < 9.995_wp) then
+         write (buffer, '(f5.2)') value
+      else if (value < 99.95_wp) then
+         write (buffer, '(f5.1)') value
+      else
+         write (buffer, '(i0)') nint(value)
+      end if
+      text = trim(adjustl(buffer))//trim(unit(i))
+   end function rate
+
+   !> Seconds as m:ss or h:mm:ss
+   pure function clock(seconds) result(text)
+      real(wp), intent(in) :: seconds
+      character(len=:), allocatable :: text
+
+      character(len=24) :: buffer
+      integer :: s
+
+      s = nint(min(seconds, 3.6e8_wp))
+      if (s < 3600) then
+         write (buffer, '(i0,a,i2.2)') s/60, ':', mod(s, 60)
+      else
+         write (buffer, '(i0,2(a,i2.2))') s/3600, ':', mod(s/60, 60), ':', mod(s, 60)
+      end if
+      text = trim(buffer)
+   end function clock
+
+   pure function right(text, n) result(field)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: n
+      character(len=:), allocatable :: field
+
+      field = repeat(' ', max(1, n - len(text)))//text
+   end function right
+
+end module kj_progress

@@ -1,0 +1,218 @@
+!> `kjoint run`: options in, run, summary out.
+module kj_run_command
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, finding_list_t, fail, str, add_finding, ERR_INPUT, ERR_FILE, &
+      SEV_NOTE
+   use kj_system, only: wall_clock
+   use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_LEGACY, OPT_UNTIL, OPT_SAMPLE, &
+      OPT_DT_SCALE, OPT_ENERGY_LIMIT, OPT_IGNORE, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
+   use kj_signal, only: watch_signals, caught_signal
+   use kj_render, only: print_findings, print_failure
+   use kj_json, only: json_member, json_text, json_real, json_findings
+   use kj_progress, only: progress_t, start_progress, end_progress, limiter, percent, rate, &
+      SHOW_NOTHING, SHOW_STATUS, SHOW_LISTING
+   use kj_sink_h5, only: sink_h5_t
+   use kjoint, only: simulation_t, run_options_t, run_status_t, load_simulation, run_simulation, &
+      simulation_title, default_output
+   implicit none
+   private
+
+   public :: run_command
+
+   !> What came of a run
+   type :: outcome_t
+      type(run_status_t) :: status
+      character(len=:), allocatable :: title, history, verdict
+      real(wp) :: elapsed = 0.0_wp               !! [s] of wall clock
+      integer :: code = 0                        !! exit code
+   end type outcome_t
+
+contains
+
+   !> Run a deck as the arguments say; everything that is to be said has been said on return
+   subroutine run_command(args, command_line, code)
+      type(arguments_t), intent(in) :: args
+      character(len=*), intent(in) :: command_line
+      integer, intent(out) :: code                   !! exit code
+
+      type(run_options_t) :: options
+      type(simulation_t) :: sim
+      type(finding_list_t) :: findings
+      type(outcome_t) :: outcome
+      type(error_t), allocatable :: error
+      character(len=:), allocatable :: engine
+
+      call watch_signals()
+      call take_options(args, options, error)
+      if (.not. allocated(error)) then
+         engine = ''
+         if (args%n_operand == 2) engine = args%operand(2)%s
+         if (.not. args%given(OPT_LEGACY)) call say_only_legacy(findings)
+         call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
+      end if
+      if (.not. args%given(OPT_JSON)) call print_findings(findings, may_colour(STDERR), &
+         args%given(OPT_VERBOSE), args%given(OPT_QUIET))
+      if (.not. allocated(error) .and. findings%n_error == 0) &
+         call advance(sim, args, command_line, outcome, error)
+      code = exit_code(findings, error)
+      if (caught_signal() > 0) code = 128 + caught_signal()
+      outcome%code = code
+      if (args%given(OPT_JSON)) then
+         call print_json(outcome, findings, error)
+         return
+      end if
+      if (allocated(error)) call print_failure(error, may_colour(STDERR))
+      if (.not. args%given(OPT_QUIET) .and. allocated(outcome%verdict)) call print_summary(outcome)
+   end subroutine run_command
+
+   !> Options of the command line as the library takes them
+   subroutine take_options(args, options, error)
+      type(arguments_t), intent(in) :: args
+      type(run_options_t), intent(out) :: options
+      type(error_t), allocatable, intent(out) :: error
+
+      options%ignore_unsupported = args%given(OPT_IGNORE)
+      call option_real(args, OPT_UNTIL, 0.0_wp, options%until, error)
+      if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%sample, error)
+      if (.not. allocated(error)) &
+         call option_real(args, OPT_DT_SCALE, tiny(1.0_wp), options%dt_scale, error)
+      if (.not. allocated(error)) &
+         call option_real(args, OPT_ENERGY_LIMIT, 0.0_wp, options%energy_limit, error)
+   end subroutine take_options
+
+   !> Until the consistent formulation exists
+   subroutine say_only_legacy(findings)
+      type(finding_list_t), intent(inout) :: findings
+
+      type(error_t), allocatable :: note
+
+      call fail(note, ERR_INPUT, 'only the legacy formulation exists so far: it is used')
+      note%severity = SEV_NOTE
+      note%hint = '--legacy asks for it by name'
+      call add_finding(findings, note)
+   end subroutine say_only_legacy
+
+   !> The run itself
+   subroutine advance(sim, args, command_line, outcome, error)
+      type(simulation_t), intent(inout) :: sim
+      type(arguments_t), intent(in) :: args
+      character(len=*), intent(in) :: command_line
+      type(outcome_t), intent(inout) :: outcome
+      type(error_t), allocatable, intent(out) :: error
+
+      type(sink_h5_t) :: sink
+      type(progress_t) :: progress
+      real(wp) :: started
+      integer :: show
+
+      outcome%title = simulation_title(sim)
+      sink%path = default_output(sim)
+      if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
+      sink%reproducible = args%given(OPT_REPRODUCIBLE)
+      sink%command_line = command_line
+      outcome%history = sink%path
+      show = SHOW_LISTING
+      if (may_overwrite(STDERR) .and. .not. args%given(OPT_VERBOSE)) show = SHOW_STATUS
+      if (args%given(OPT_QUIET)) show = SHOW_NOTHING
+      started = wall_clock()
+      call start_progress(progress, show)
+      call run_simulation(sim, sink, progress, outcome%status, error)
+      call end_progress(progress)
+      outcome%elapsed = wall_clock() - started
+      outcome%verdict = 'NORMAL TERMINATION'
+      if (caught_signal() > 0) outcome%verdict = 'STOPPED BY USER'
+      if (allocated(error)) outcome%verdict = 'ERROR TERMINATION'
+   end subroutine advance
+
+   integer function exit_code(findings, error) result(code)
+      type(finding_list_t), intent(in) :: findings
+      type(error_t), intent(in), allocatable :: error
+
+      integer :: i
+
+      code = 0
+      if (findings%n_error > 0) code = ERR_INPUT
+      do i = 1, findings%n
+         if (findings%item(i)%code == ERR_FILE .and. findings%n_error > 0) code = ERR_FILE
+      end do
+      if (allocated(error)) code = error%code
+   end function exit_code
+
+   subroutine print_summary(outcome)
+      type(outcome_t), intent(in) :: outcome
+
+      character(len=100) :: buffer
+      real(wp) :: seconds
+
+      associate (s => outcome%status)
+         seconds = max(outcome%elapsed, 1e-9_wp)
+         call print_line(outcome%verdict//'  '//outcome%title)
+         write (buffer, '(3(i0,a))') s%n_joint, ' joints, ', s%n_body, ' rigid bodies, ', &
+            s%n_node, ' nodes'
+         call print_line('   model         '//trim(buffer))
+         call print_line('   cycles        '//str(s%cycle))
+         write (buffer, '(es12.6,a,es12.6)') s%time, ' of ', s%t_stop
+         call print_line('   time          '//trim(buffer))
+         write (buffer, '(es12.6)') s%time_step
+         call print_line('   time step     '//trim(buffer)//limiter(s))
+         call print_line('   energy error  '//percent(s%energy_error))
+         write (buffer, '(f12.3,a)') outcome%elapsed, ' s  ('
+         call print_line('   wall time     '//trim(adjustl(buffer))// &
+                         rate(real(s%cycle, wp)/seconds)//' cycles/s, '// &
+                         rate(real(s%cycle, wp)*s%n_joint/seconds)//' joint-cycles/s)')
+         call print_line('   slowest cost  '//costs(s, seconds))
+         call print_line('   history       '//outcome%history)
+      end associate
+   end subroutine print_summary
+
+   !> "solver 91 %, history 7 %": shares of the wall time, the largest first
+   function costs(status, seconds) result(text)
+      type(run_status_t), intent(in) :: status
+      real(wp), intent(in) :: seconds
+      character(len=:), allocatable :: text
+
+      character(len=:), allocatable :: solver, history
+
+      solver = 'solver '//str(nint(100*status%wall_solve/seconds))//' %'
+      history = 'history '//str(nint(100*status%wall_output/seconds))//' %'
+      text = solver//', '//history
+      if (status%wall_output > status%wall_solve) text = history//', '//solver
+   end function costs
+
+   subroutine print_json(outcome, findings, error)
+      type(outcome_t), intent(in) :: outcome
+      type(finding_list_t), intent(in) :: findings
+      type(error_t), intent(in), allocatable :: error
+
+      type(finding_list_t) :: all_findings
+      character(len=:), allocatable :: json
+
+      all_findings = findings
+      if (allocated(error)) call add_finding(all_findings, error)
+      json = '{'//json_member('exit_code', str(outcome%code))
+      if (allocated(outcome%verdict)) then
+         associate (s => outcome%status)
+            json = json//', '//json_member('status', json_text(outcome%verdict))// &
+               ', '//json_member('title', json_text(outcome%title))// &
+               ', '//json_member('history', json_text(outcome%history))// &
+               ', '//json_member('cycles', str(s%cycle))// &
+               ', '//json_member('time', json_real(s%time))// &
+               ', '//json_member('t_stop', json_real(s%t_stop))// &
+               ', '//json_member('time_step', json_real(s%time_step))// &
+               ', '//json_member('time_step_owner_kind', json_text(trim(s%owner_kind)))// &
+               ', '//json_member('time_step_owner', str(s%owner))// &
+               ', '//json_member('energy_error', json_real(s%energy_error))// &
+               ', '//json_member('samples', str(s%n_sample))// &
+               ', '//json_member('joints', str(s%n_joint))// &
+               ', '//json_member('bodies', str(s%n_body))// &
+               ', '//json_member('nodes', str(s%n_node))// &
+               ', '//json_member('wall_time', json_real(outcome%elapsed))// &
+               ', '//json_member('wall_solve', json_real(s%wall_solve))// &
+               ', '//json_member('wall_output', json_real(s%wall_output))
+         end associate
+      end if
+      call print_line(json//', '//json_member('findings', json_findings(all_findings))//'}')
+   end subroutine print_json
+
+end module kj_run_command

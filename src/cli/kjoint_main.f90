@@ -1,0 +1,11 @@
+!> The program kjoint. Everything is in kj_cli.
+program kjoint_main
+   use kj_cli, only: run_cli
+   use kj_terminal, only: quit
+   implicit none
+
+   integer :: code
+
+   call run_cli(code)
+   call quit(code)
+end program kjoint_main

@@ -1,0 +1,234 @@
+!> Lines of an engine deck: words of a header, values of a list-directed line with their places.
+module kj_engine_text
+   use kj_kinds, only: wp
+   use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, str
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_NOT_FINITE
+   use kj_deck_data, only: deck_t, source_t, add_deck_finding, line_text, header_end
+   use kj_source, only: load_source, next_line, add_file_finding
+   implicit none
+   private
+
+   public :: engine_line_t, load_engine, split_words, read_values, word_integer
+
+   integer, parameter :: MOST_WORDS = 8
+
+   !> Words of a header between the slashes, blanks removed; '' where there is none
+   type :: engine_line_t
+      character(len=80) :: word(MOST_WORDS) = ''
+      integer :: first(MOST_WORDS) = 1, last(MOST_WORDS) = 1   !! their columns
+   end type engine_line_t
+
+contains
+
+   !> Load an engine deck: all lines but comments and blank ones
+   subroutine load_engine(path, deck, readable, findings)
+      character(len=*), intent(in) :: path
+      type(deck_t), intent(out) :: deck
+      logical, intent(out) :: readable
+      type(finding_list_t), intent(inout) :: findings
+
+      character(len=:), allocatable :: problem
+      integer :: first, last, next, number, most, i
+
+      allocate (deck%source(1))
+      deck%n_source = 1
+      call load_source(path, 'engine', deck%source(1), problem)
+      readable = len(problem) == 0
+      if (.not. readable) then
+         call add_file_finding('KJ-9030', 'the engine deck cannot be read: '//problem, path, 0, '', &
+            0, 0, findings)
+         return
+      end if
+      associate (text => deck%source(1)%text)
+         most = 1
+         do i = 1, len(text)
+            if (text(i:i) == achar(10)) most = most + 1
+         end do
+         allocate (deck%line_source(most), deck%line_number(most), deck%line_first(most), &
+            deck%line_last(most))
+         deck%line_source = 1
+         number = 0
+         first = 1
+         do while (first <= len(text))
+            number = number + 1
+            call next_line(text, first, last, next)
+            if (is_data(text(first:last))) then
+               deck%n_line = deck%n_line + 1
+               deck%line_number(deck%n_line) = number
+               deck%line_first(deck%n_line) = first
+               deck%line_last(deck%n_line) = last
+            end if
+            first = next
+         end do
+      end associate
+   end subroutine load_engine
+
+   !> The line is neither a comment nor blank
+   pure logical function is_data(text)
+      character(len=*), intent(in) :: text
+
+      is_data = .false.
+      if (verify(text, ' '//achar(9)) == 0) return
+      is_data = text(1:1) /= '#' .and. text(1:1) /= '$'
+   end function is_data
+
+   !> Take a header apart
+   pure subroutine split_words(text, words)
+      character(len=*), intent(in) :: text      !! has a / before each word
+      type(engine_line_t), intent(out) :: words
+
+      integer :: at, next, n, i, k
+
+      at = index(text, '/')
+      n = 0
+      do while (at > 0 .and. at <= len(text) .and. n < MOST_WORDS)
+         next = index(text(at + 1:), '/') + at
+         if (next == at) next = len(text) + 1
+         n = n + 1
+         words%first(n) = at + 1
+         words%last(n) = max(at + 1, next - 1)
+         k = 0
+         do i = at + 1, next - 1
+            if (text(i:i) == ' ' .or. k == len(words%word)) cycle
+            k = k + 1
+            words%word(n)(k:k) = text(i:i)
+         end do
+         at = next
+      end do
+   end subroutine split_words
+
+   !> A word of a header as an integer; `default` when there is no such word
+   integer function word_integer(deck, line, words, k, default, findings) result(value)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line               !! of the header
+      type(engine_line_t), intent(in) :: words
+      integer, intent(in) :: k                  !! which word
+      integer, intent(in) :: default
+      type(finding_list_t), intent(inout) :: findings
+
+      integer :: status
+
+      call parse_integer(trim(words%word(k)), value, status)
+      if (status == NUMBER_BLANK) value = default
+      if (status == NUMBER_FINE .or. status == NUMBER_BLANK) return
+      call add_deck_finding(deck, line, words%first(k), words%last(k), SEV_ERROR, 'KJ-9002', &
+         '"'//trim(words%word(k))//'" is not an integer', 'expected: an integer', findings)
+      value = default
+   end function word_integer
+
+   !> Read up to `most` reals from the first data line of a block, as a list-directed read does
+   !>
+   !> Blanks and commas separate; 2*1.5 repeats; 1* and ,, leave a value at 0; / ends the line.
+   !> Errors: fewer than `least` values (KJ-E073), text that is no number (KJ-9001).
+   subroutine read_values(deck, header, last, least, most, value, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: header, last       !! lines; data lines are header + 1 to last
+      integer, intent(in) :: least, most
+      real(wp), intent(out) :: value(:)         !! those that are missing are 0
+      type(finding_list_t), intent(inout) :: findings
+
+      character(len=:), allocatable :: text
+      integer :: at, a, b, n, times, line, i
+      real(wp) :: x
+
+      value = 0.0_wp
+      n = 0
+      line = min(header + 1, last)
+      if (last > header) then
+         text = line_text(deck, line)
+         at = 1
+         do while (n < most)
+            call next_item(text, at, a, b)
+            if (a == 0) exit
+            call read_item(deck, line, text, a, b, times, x, findings)
+            do i = 1, min(times, most - n)
+               n = n + 1
+               value(n) = x
+            end do
+         end do
+         if (n == most .and. at <= len(text)) call report_rest(deck, line, text, at, findings)
+      end if
+      if (n >= least) return
+      line = max(line, header)
+      call add_deck_finding(deck, line, 1, header_end(deck, line), SEV_ERROR, 'KJ-E073', &
+         'the keyword needs a line with '//str(least)//merge(' values', ' value ', least > 1), &
+         'found: '//str(n), findings)
+   end subroutine read_values
+
+   !> The next item of a list-directed line: columns [a, b], b < a when empty; a = 0 at the end
+   pure subroutine next_item(text, at, a, b)
+      character(len=*), intent(in) :: text
+      integer, intent(inout) :: at              !! column where to go on
+      integer, intent(out) :: a, b
+
+      character(len=*), parameter :: BLANKS = ' '//achar(9)
+      integer :: n
+
+      a = 0
+      b = 0
+      n = verify(text(min(at, len(text) + 1):), BLANKS)
+      if (n == 0) return
+      at = at + n - 1
+      if (text(at:at) == '/') return
+      a = at
+      n = scan(text(at:), BLANKS//',/')
+      if (n == 0) n = len(text) - at + 2
+      b = at + n - 2
+      at = at + n - 1
+      n = verify(text(min(at, len(text) + 1):), BLANKS)
+      if (n == 0) return
+      if (text(at + n - 1:at + n - 1) == ',') at = at + n
+   end subroutine next_item
+
+   !> Read an item, with a repeat count perhaps
+   subroutine read_item(deck, line, text, a, b, times, value, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: a, b               !! columns
+      integer, intent(out) :: times
+      real(wp), intent(out) :: value
+      type(finding_list_t), intent(inout) :: findings
+
+      integer :: star, first, status
+
+      times = 1
+      first = a
+      star = index(text(a:b), '*')
+      status = NUMBER_FINE
+      if (star > 1) then
+         call parse_integer(text(a:a + star - 2), times, status)
+         first = a + star
+      end if
+      value = 0.0_wp
+      if (status == NUMBER_FINE .and. times > 0) call parse_real(text(first:b), value, status)
+      if (times < 1) status = NUMBER_FINE + 1 + NUMBER_BLANK
+      if (status == NUMBER_FINE .or. status == NUMBER_BLANK) return
+      if (status == NUMBER_NOT_FINITE) then
+         call add_deck_finding(deck, line, a, b, SEV_ERROR, 'KJ-9005', &
+            text(a:b)//' is not a finite number', 'expected: a real number', findings)
+      else
+         call add_deck_finding(deck, line, a, b, SEV_ERROR, 'KJ-9001', &
+            text(a:b)//' is not a real number', 'expected: a real number', findings)
+      end if
+      times = max(times, 1)
+   end subroutine read_item
+
+   !> Warn of text after the values
+   subroutine report_rest(deck, line, text, at, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line, at
+      character(len=*), intent(in) :: text
+      type(finding_list_t), intent(inout) :: findings
+
+      integer :: first
+
+      first = verify(text(at:), ' '//achar(9))
+      if (first == 0) return
+      first = at + first - 1
+      if (text(first:first) == '/') return
+      call add_deck_finding(deck, line, first, len_trim(text), SEV_WARNING, 'KJ-9009', &
+         'text after the last value', 'ignored', findings)
+   end subroutine report_rest
+
+end module kj_engine_text

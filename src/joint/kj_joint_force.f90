@@ -1,0 +1,243 @@
+!> Forces of one batch of joints under the legacy formulation: frame, laws of six dofs, wrench on
+!> the two ends. Blocks of BLOCK joints; joints are independent, so the bits do not depend on how
+!> the range is cut.
+!> Source: legacy_scheme.md 4.4 to 4.6.
+module kj_joint_force
+   use kj_kinds, only: wp
+   use kj_curve, only: curve_set_t
+   use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_FIRST
+   use kj_joint_batch, only: joint_batch_t, joint_state_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
+   use kj_joint_frame, only: BLOCK, turn_frames, cross_frames, to_local, to_world, add_cross
+   use kj_joint_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve, step_stiffness
+   implicit none
+   private
+
+   public :: add_joint_forces, start_stiffness, world_t
+
+   !> Rows of the wrench of a joint
+   integer, parameter, public :: W_FORCE = 1     !! 1-3: force on end 1, W; end 2 gets the opposite
+   integer, parameter, public :: W_MOMENT1 = 4   !! 4-6: moment about the lead of end 1, W
+   integer, parameter, public :: W_MOMENT2 = 7   !! 7-9: moment about the lead of end 2, W
+   integer, parameter, public :: W_KN = 10       !! stiffness of both ends, translation
+   integer, parameter, public :: W_KR1 = 11, W_KR2 = 12   !! and rotation, at the lead
+   integer, parameter, public :: N_WRENCH = 12
+
+   !> What joints see of the scene; leads are bodies (their main node) and free nodes
+   type :: world_t
+      real(wp), allocatable :: x(:, :)           !! (n_node, 3) positions, leads first, W
+      real(wp), allocatable :: w(:, :)           !! (n_lead, 3) angular velocities, W
+      real(wp), allocatable :: skew(:, :)        !! (0:n_skew, 9) axes of the skews, W
+   end type world_t
+
+contains
+
+   !> Time-step stiffness of joints whose laws are linear; constant over the run
+   pure subroutine start_stiffness(batch, state)
+      type(joint_batch_t), intent(in) :: batch
+      type(joint_state_t), intent(inout) :: state
+
+      integer :: s
+
+      do s = 1, 2
+         call step_stiffness(batch%n, batch%k_top(:, s), batch%c_top(:, s), batch%cr, &
+            batch%reduced(:, s), state%stiff(:, s))
+      end do
+   end subroutine start_stiffness
+
+   !> Joints lo..hi of a batch: new frame, displacements, forces, energy and wrench
+   pure subroutine add_joint_forces(batch, curves, world, h, keep_rates, lo, hi, state, wrench)
+      type(joint_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(world_t), intent(in) :: world
+      real(wp), intent(in) :: h                  !! step since the last call, 0 in the first
+      logical, intent(in) :: keep_rates          !! store qdot, for a sample
+      integer, intent(in) :: lo, hi
+      type(joint_state_t), intent(inout) :: state
+      real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_WRENCH, all joints)
+
+      integer :: from
+
+      do from = lo, hi, BLOCK
+         call add_block(batch, curves, world, h, keep_rates, from, min(BLOCK, hi - from + 1), &
+            state, wrench)
+      end do
+   end subroutine add_joint_forces
+
+   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, state, wrench)
+      type(joint_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(world_t), intent(in) :: world
+      real(wp), intent(in) :: h
+      logical, intent(in) :: keep_rates
+      integer, intent(in) :: from, n
+      type(joint_state_t), intent(inout) :: state
+      real(wp), contiguous, intent(inout) :: wrench(:, :)
+
+      real(wp) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3), q(BLOCK, NDOF), qdot(BLOCK, NDOF)
+      real(wp) :: f(BLOCK, NDOF), change
+      integer :: i, j, k
+
+      call move_frames(batch, world, h, from, n, state, e, xl, turn)
+      do k = 1, 3
+         do i = 1, n
+            j = from + i - 1
+            q(i, k) = xl(i, k) - batch%xl0(j, k)
+            q(i, k + 3) = state%q(j, k + 3) + turn(i, k)*h
+         end do
+      end do
+      do k = 1, NDOF
+         do i = 1, n
+            qdot(i, k) = 0.0_wp
+            if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(from + i - 1, k))/h
+         end do
+      end do
+      call laws(batch, curves, from, n, q, qdot, state, f)
+      do k = 1, NDOF
+         do i = 1, n
+            j = from + i - 1
+            change = q(i, k) - state%q(j, k)
+            state%energy(j) = state%energy(j) + 0.5_wp*change*(f(i, k) + state%f(j, k))
+            state%q(j, k) = q(i, k)
+            state%f(j, k) = f(i, k)
+         end do
+      end do
+      if (keep_rates) state%qdot(from:from + n - 1, :) = qdot(:n, :)
+      call put_wrench(batch, world, from, n, state, e, xl, f, wrench)
+   end subroutine add_block
+
+   !> New frames, offset of node 2 in them, and relative angular velocity in them
+   pure subroutine move_frames(batch, world, h, from, n, state, e, xl, turn)
+      type(joint_batch_t), intent(in) :: batch
+      type(world_t), intent(in) :: world
+      real(wp), intent(in) :: h
+      integer, intent(in) :: from, n
+      type(joint_state_t), intent(inout) :: state
+      real(wp), intent(out) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3)
+
+      real(wp) :: dual(BLOCK, 9), r(BLOCK, 3), dw(BLOCK, 3), a(BLOCK, 3), b(BLOCK, 3)
+      integer :: i, j, k
+
+      do k = 1, 3
+         do i = 1, n
+            j = from + i - 1
+            r(i, k) = world%x(batch%node(j, 2), k) - world%x(batch%node(j, 1), k)
+            dw(i, k) = world%w(batch%lead(j, 2), k) - world%w(batch%lead(j, 1), k)
+            a(i, k) = 0.5_wp*h*(world%w(batch%lead(j, 1), k) + world%w(batch%lead(j, 2), k))
+         end do
+      end do
+      select case (batch%frame)
+      case (FRAME_MEAN)
+         e(:n, :) = state%e(from:from + n - 1, :)
+         call turn_frames(n, a, e)
+         dual(:n, :) = e(:n, :)
+      case (FRAME_FIRST)
+         do k = 1, 9
+            e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
+         end do
+         dual(:n, :) = e(:n, :)
+      case default   ! FRAME_CROSS
+         do k = 1, 3
+            a(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
+            b(:n, k) = world%skew(batch%skew(from:from + n - 1, 2), k)
+         end do
+         call cross_frames(n, a, b, e, dual)
+      end select
+      state%e(from:from + n - 1, :) = e(:n, :)
+      call to_local(n, dual, r, xl)
+      call to_local(n, dual, dw, turn)
+   end subroutine move_frames
+
+   !> Force of each dof; renews the time-step stiffness where a curve can change it
+   pure subroutine laws(batch, curves, from, n, q, qdot, state, f)
+      type(joint_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: q(BLOCK, NDOF), qdot(BLOCK, NDOF)
+      type(joint_state_t), intent(inout) :: state
+      real(wp), intent(out) :: f(BLOCK, NDOF)
+
+      real(wp) :: k_top(BLOCK, 2), c_top(BLOCK, 2), zero(BLOCK)
+      logical :: renew
+      integer :: dof, s, to
+
+      to = from + n - 1
+      zero = 0.0_wp
+      renew = any(batch%law >= LAW_SPRING_CURVE)
+      if (renew) then
+         k_top(:n, :) = batch%k_top(from:to, :)
+         c_top(:n, :) = batch%c_top(from:to, :)
+      end if
+      do dof = 1, NDOF
+         f(:n, dof) = 0.0_wp
+         if (batch%law(dof) == 0) cycle
+         s = merge(1, 2, dof <= 3)
+         if (iand(batch%law(dof), LAW_SPRING_CURVE + LAW_DAMPER_CURVE) == 0) then
+            call add_spring_and_damper(n, q(:, dof), qdot(:, dof), batch%k(from:to, dof), &
+               batch%c(from:to, dof), f(:, dof))
+            cycle
+         end if
+         if (iand(batch%law(dof), LAW_SPRING_CURVE) /= 0) then
+            call add_spring_curve(n, curves, batch%k_curve(from:to, dof), batch%k(from:to, dof), &
+               batch%reduced(from:to, s), q(:, dof), qdot(:, dof), f(:, dof), k_top(:, s))
+         else
+            call add_spring_and_damper(n, q(:, dof), zero, batch%k(from:to, dof), zero, f(:, dof))
+         end if
+         if (iand(batch%law(dof), LAW_DAMPER_CURVE) /= 0) then
+            call add_damper_curve(n, curves, batch%c_curve(from:to, dof), batch%c(from:to, dof), &
+               qdot(:, dof), f(:, dof), c_top(:, s))
+         else
+            call add_spring_and_damper(n, zero, qdot(:, dof), zero, batch%c(from:to, dof), f(:, dof))
+         end if
+      end do
+      if (.not. renew) return
+      do s = 1, 2
+         call step_stiffness(n, k_top(:, s), c_top(:, s), batch%cr(from:to), &
+            batch%reduced(from:to, s), state%stiff(from:to, s))
+      end do
+   end subroutine laws
+
+   !> Force and moments on the leads, and the stiffness they feel.
+   !>
+   !>   F = E f,  c = 1/2 XL x f,  moment at node 1: E (m + c), at node 2: -E (m - c)
+   pure subroutine put_wrench(batch, world, from, n, state, e, xl, f, wrench)
+      type(joint_batch_t), intent(in) :: batch
+      type(world_t), intent(in) :: world
+      integer, intent(in) :: from, n
+      type(joint_state_t), intent(in) :: state
+      real(wp), intent(in) :: e(BLOCK, 9), xl(BLOCK, 3), f(BLOCK, NDOF)
+      real(wp), contiguous, intent(inout) :: wrench(:, :)
+
+      real(wp) :: force(BLOCK, 3), m(BLOCK, 3), m1(BLOCK, 3), m2(BLOCK, 3)
+      real(wp) :: arm1(BLOCK, 3), arm2(BLOCK, 3), st, lever
+      integer :: i, j, k
+
+      call to_world(n, e, f(:, 1:3), force)
+      m(:n, :) = f(:n, 4:6)
+      call add_cross(n, 0.5_wp, xl, f(:, 1:3), m)
+      call to_world(n, e, m, m1)
+      m(:n, :) = -f(:n, 4:6)
+      call add_cross(n, 0.5_wp, xl, f(:, 1:3), m)
+      call to_world(n, e, m, m2)
+      do k = 1, 3
+         do i = 1, n
+            j = from + i - 1
+            arm1(i, k) = world%x(batch%node(j, 1), k) - world%x(batch%lead(j, 1), k)
+            arm2(i, k) = world%x(batch%node(j, 2), k) - world%x(batch%lead(j, 2), k)
+         end do
+      end do
+      call add_cross(n, 1.0_wp, arm1, force, m1)
+      call add_cross(n, -1.0_wp, arm2, force, m2)
+      do i = 1, n
+         j = batch%first + from + i - 1
+         st = state%stiff(from + i - 1, 1)
+         lever = state%stiff(from + i - 1, 2) + st*(xl(i, 1)**2 + xl(i, 2)**2 + xl(i, 3)**2)
+         wrench(W_FORCE:W_FORCE + 2, j) = force(i, :)
+         wrench(W_MOMENT1:W_MOMENT1 + 2, j) = m1(i, :)
+         wrench(W_MOMENT2:W_MOMENT2 + 2, j) = m2(i, :)
+         wrench(W_KN, j) = 2.0_wp*st
+         wrench(W_KR1, j) = lever + 2.0_wp*st*(arm1(i, 1)**2 + arm1(i, 2)**2 + arm1(i, 3)**2)
+         wrench(W_KR2, j) = lever + 2.0_wp*st*(arm2(i, 1)**2 + arm2(i, 2)**2 + arm2(i, 3)**2)
+      end do
+   end subroutine put_wrench
+
+end module kj_joint_force

@@ -1,0 +1,162 @@
+!> THE table of output channels: name and group in the history file, what they mean, and where
+!> the Radioss time history (T01) keeps them. kj_sample computes them, kj_sink_h5 writes them.
+module kj_channels
+   use kj_units, only: NUM => D_NUMBER, LEN => D_LENGTH, MASS => D_MASS, TIME => D_TIME, &
+      FORCE => D_FORCE, MOMENT => D_MOMENT, VEL => D_VELOCITY, ANGVEL => D_ANGULAR_VELOCITY, &
+      ACC => D_ACCELERATION, ANGACC => D_ANGULAR_ACCELERATION, ENERGY => D_ENERGY, &
+      ANGLE => D_ANGLE, MOMTM => D_MOMENTUM, ANGMOM => D_ANGULAR_MOMENTUM
+   implicit none
+   private
+
+   public :: channel_t, group_t, find_channel, find_t01, sampled_at
+
+   !> Owners: which group of the file a channel stands in, one series per owner
+   integer, parameter, public :: OF_RUN = 1, OF_JOINT = 2, OF_BODY = 3, OF_NODE = 4
+
+   !> A group of the file: the place of one kind of owner
+   type :: group_t
+      character(len=10) :: path      !! group in the file; '' is the root
+      character(len=5)  :: entity    !! name of the entity dimension and of its scale
+      integer           :: t01_type  !! type code of the T01 file, -1 for globals
+   end type group_t
+
+   type(group_t), parameter, public :: groups(4) = [ &
+      group_t('',           '',      -1), &
+      group_t('joint',      'joint',  6), &
+      group_t('rigid_body', 'body', 103), &
+      group_t('node',       'node',   0)]
+
+   !> Time level of a sample under the legacy formulation; consistent samples everything at t
+   integer, parameter, public :: AT_T = 1, AT_HALF = 2, AT_NEXT = 3
+
+   !> Type of the dataset
+   integer, parameter, public :: AS_F64 = 1, AS_I64 = 2, AS_I32 = 3, AS_I8 = 4
+
+   !> One row of the channel table
+   type :: channel_t
+      integer           :: owner       !! OF_ constant
+      character(len=20) :: name        !! dataset name
+      integer           :: n_comp      !! 1, 3 (axis) or 4 (quaternion)
+      integer           :: kind        !! AS_ constant
+      integer           :: dim         !! D_ constant, gives the unit
+      character(len=20) :: class       !! @channel_class
+      character(len=6)  :: frame       !! @frame: joint, global or ''
+      integer           :: at          !! AT_ constant, time level under legacy
+      integer           :: t01         !! code of the first component in T01, 0 = not there
+      character(len=12) :: radioss     !! @radioss_name
+      character(len=60) :: meaning     !! @long_name
+   end type channel_t
+
+   !> Rows of the channel table, in its order
+   integer, parameter, public :: &
+      CH_TIME = 1, CH_CYCLE = 2, CH_TIME_STEP = 3, CH_KE_TRANS = 4, CH_KE_ROT = 5, CH_IE = 6, &
+      CH_WORK = 7, CH_POTENTIAL = 8, CH_ENERGY_ERROR = 9, CH_MOM_X = 10, CH_MOM_Y = 11, &
+      CH_MOM_Z = 12, CH_ANG_X = 13, CH_ANG_Y = 14, CH_ANG_Z = 15, CH_MASS = 16, &
+      CH_OWNER_KIND = 17, CH_OWNER = 18, CH_FINAL = 19, CH_J_FORCE = 20, CH_J_MOMENT = 21, &
+      CH_J_DISP = 22, CH_J_ROT = 23, CH_J_VEL = 24, CH_J_ANGVEL = 25, CH_J_IE = 26, &
+      CH_J_ELASTIC = 27, CH_J_DISSIPATED = 28, CH_J_LENGTH = 29, CH_J_VIOL_T = 30, &
+      CH_J_VIOL_R = 31, CH_J_FRAME = 32, CH_J_ORTHO = 33, CH_B_POS = 34, CH_B_VEL = 35, &
+      CH_B_ANGVEL = 36, CH_B_ACC = 37, CH_B_ANGACC = 38, CH_B_FORCE = 39, CH_B_MOMENT = 40, &
+      CH_B_IMPULSE = 41, CH_B_ANGIMP = 42, CH_B_ROTSUM = 43, CH_B_ORIENT = 44, CH_B_KE = 45, &
+      CH_N_POS = 46, CH_N_DISP = 47, CH_N_VEL = 48, CH_N_ANGVEL = 49, CH_N_ACC = 50, &
+      CH_N_ANGACC = 51
+
+   ! the same constants by short names, so that a row is one line
+   integer, parameter :: RUN = OF_RUN, JOINT = OF_JOINT, BODY = OF_BODY, NODE = OF_NODE, &
+      F64 = AS_F64, I64 = AS_I64, I32 = AS_I32, I8 = AS_I8, T = AT_T, HALF = AT_HALF, NEXT = AT_NEXT
+   character(len=6), parameter :: W = 'global', J = 'joint'
+
+   type(channel_t), parameter, public :: channels(*) = [ &
+      ! owner, name, n_comp, kind, dim, class, frame, at, t01, radioss, meaning
+      channel_t(RUN, 'time', 1, F64, TIME, 'time', '', T, 0, 'TIME', 'time'), &
+      channel_t(RUN, 'cycle', 1, I64, NUM, 'control', '', T, 0, '', 'cycle number'), &
+      channel_t(RUN, 'time_step', 1, F64, TIME, 'control', '', T, 7, 'DT', 'coming time step'), &
+      channel_t(RUN, 'kinetic_energy_trans', 1, F64, ENERGY, 'energy', '', T, 2, 'KE', 'translational kinetic energy'), &
+      channel_t(RUN, 'kinetic_energy_rot', 1, F64, ENERGY, 'energy', '', T, 8, 'RKE', 'rotational kinetic energy'), &
+      channel_t(RUN, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 1, 'IE', 'work done on all joints'), &
+      channel_t(RUN, 'external_work', 1, F64, ENERGY, 'energy', '', T, 9, 'EFW', 'work of loads and imposed motion'), &
+      channel_t(RUN, 'potential_energy', 1, F64, ENERGY, 'energy', '', T, 0, '', 'potential of constant gravity'), &
+      channel_t(RUN, 'energy_error', 1, F64, NUM, 'energy', '', T, 0, '', 'energy error as a fraction'), &
+      channel_t(RUN, 'momentum_x', 1, F64, MOMTM, 'momentum', W, T, 3, 'XMOM', 'linear momentum, x'), &
+      channel_t(RUN, 'momentum_y', 1, F64, MOMTM, 'momentum', W, T, 4, 'YMOM', 'linear momentum, y'), &
+      channel_t(RUN, 'momentum_z', 1, F64, MOMTM, 'momentum', W, T, 5, 'ZMOM', 'linear momentum, z'), &
+      channel_t(RUN, 'angular_momentum_x', 1, F64, ANGMOM, 'momentum', W, T, 0, '', 'angular momentum about the origin, x'), &
+      channel_t(RUN, 'angular_momentum_y', 1, F64, ANGMOM, 'momentum', W, T, 0, '', 'angular momentum about the origin, y'), &
+      channel_t(RUN, 'angular_momentum_z', 1, F64, ANGMOM, 'momentum', W, T, 0, '', 'angular momentum about the origin, z'), &
+      channel_t(RUN, 'mass', 1, F64, MASS, 'control', '', T, 6, 'MASS', 'total mass'), &
+      channel_t(RUN, 'time_step_owner_kind', 1, I8, NUM, 'flag', '', T, 0, '', 'kind of what limits the step'), &
+      channel_t(RUN, 'time_step_owner', 1, I32, NUM, 'flag', '', T, 0, '', 'user id of what limits the step'), &
+      channel_t(RUN, 'final', 1, I8, NUM, 'flag', '', T, 0, '', '1 on a last state after the last sample time'), &
+      channel_t(JOINT, 'force', 3, F64, FORCE, 'force', J, T, 2, 'FX FY FZ', 'joint force on node 1'), &
+      channel_t(JOINT, 'moment', 3, F64, MOMENT, 'moment', J, T, 5, 'MX MY MZ', 'joint moment on node 1'), &
+      channel_t(JOINT, 'displacement', 3, F64, LEN, 'displacement', J, T, 8, 'LX LY LZ', 'displacement of node 2 from node 1'), &
+      channel_t(JOINT, 'rotation', 3, F64, ANGLE, 'rotation', J, T, 11, 'RX RY RZ', 'rotation of end 2 relative to end 1'), &
+      channel_t(JOINT, 'velocity', 3, F64, VEL, 'velocity', J, HALF, 0, '', 'rate of the displacement'), &
+      channel_t(JOINT, 'angular_velocity', 3, F64, ANGVEL, 'angular_velocity', J, HALF, 0, '', 'rate of the rotation'), &
+      channel_t(JOINT, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 14, 'IE', 'work done on the joint'), &
+      channel_t(JOINT, 'elastic_energy', 1, F64, ENERGY, 'energy', '', T, 0, '', 'energy stored in the elastic laws'), &
+      channel_t(JOINT, 'dissipated_energy', 1, F64, ENERGY, 'energy', '', T, 0, '', 'internal less elastic energy'), &
+      channel_t(JOINT, 'length', 1, F64, LEN, 'displacement', '', T, 65, 'LENGTH', 'distance of the two nodes'), &
+      channel_t(JOINT, 'violation_trans', 1, F64, LEN, 'displacement', '', T, 0, '', 'norm of the blocked displacements'), &
+      channel_t(JOINT, 'violation_rot', 1, F64, ANGLE, 'rotation', '', T, 0, '', 'norm of the blocked rotations'), &
+      channel_t(JOINT, 'frame', 4, F64, NUM, 'rotation', W, T, 0, '', 'joint frame: world from joint'), &
+      channel_t(JOINT, 'orthogonality', 1, F64, ANGLE, 'rotation', '', T, 0, '', 'loss of orthogonality of the joint frame'), &
+      channel_t(BODY, 'position', 3, F64, LEN, 'displacement', W, T, 16, 'X Y Z', 'position of the main node'), &
+      channel_t(BODY, 'velocity', 3, F64, VEL, 'velocity', W, HALF, 22, 'VX VY VZ', 'velocity of the main node'), &
+      channel_t(BODY, 'angular_velocity', 3, F64, ANGVEL, 'angular_velocity', W, HALF, 28, 'VRX VRY VRZ', 'angular velocity'), &
+      channel_t(BODY, 'acceleration', 3, F64, ACC, 'acceleration', W, T, 25, 'AX AY AZ', 'acceleration of the main node'), &
+      channel_t(BODY, 'angular_acceleration', 3, F64, ANGACC, 'acceleration', W, T, 31, 'ARX ARY ARZ', 'angular acceleration'), &
+      channel_t(BODY, 'force', 3, F64, FORCE, 'force', W, T, 0, '', 'force of joints, loads and gravity'), &
+      channel_t(BODY, 'moment', 3, F64, MOMENT, 'moment', W, T, 0, '', 'moment of joints and loads about the centre of gravity'), &
+      channel_t(BODY, 'impulse', 3, F64, MOMTM, 'force', W, T, 1, 'FX FY FZ', 'impulse of forces on secondary nodes'), &
+      channel_t(BODY, 'angular_impulse', 3, F64, ANGMOM, 'moment', W, T, 4, 'MX MY MZ', 'impulse of moments on secondary nodes'), &
+      channel_t(BODY, 'rotation_sum', 3, F64, ANGLE, 'rotation', W, NEXT, 7, 'RX RY RZ', 'sum of angular velocity times step'), &
+      channel_t(BODY, 'orientation', 4, F64, NUM, 'rotation', W, T, 0, '', 'rotation from the initial pose'), &
+      channel_t(BODY, 'kinetic_energy', 1, F64, ENERGY, 'energy', '', T, 0, '', 'kinetic energy of the body'), &
+      channel_t(NODE, 'position', 3, F64, LEN, 'displacement', W, T, 16, 'X Y Z', 'position'), &
+      channel_t(NODE, 'displacement', 3, F64, LEN, 'displacement', W, T, 1, 'DX DY DZ', 'displacement'), &
+      channel_t(NODE, 'velocity', 3, F64, VEL, 'velocity', W, HALF, 4, 'VX VY VZ', 'velocity'), &
+      channel_t(NODE, 'angular_velocity', 3, F64, ANGVEL, 'angular_velocity', W, HALF, 10, 'VRX VRY VRZ', 'angular velocity'), &
+      channel_t(NODE, 'acceleration', 3, F64, ACC, 'acceleration', W, T, 7, 'AX AY AZ', 'acceleration'), &
+      channel_t(NODE, 'angular_acceleration', 3, F64, ANGACC, 'acceleration', W, T, 13, 'ARX ARY ARZ', 'angular acceleration')]
+
+contains
+
+   !> Row of the channel with this owner and name, 0 when there is none
+   pure integer function find_channel(owner, name) result(row)
+      integer, intent(in) :: owner            !! OF_ constant
+      character(len=*), intent(in) :: name
+
+      do row = 1, size(channels)
+         if (channels(row)%owner == owner .and. channels(row)%name == name) return
+      end do
+      row = 0
+   end function find_channel
+
+   !> Row and component of a T01 variable code, 0 when our layout has none
+   pure subroutine find_t01(owner, code, row, comp)
+      integer, intent(in) :: owner, code      !! OF_ constant, T01 code
+      integer, intent(out) :: row, comp
+
+      do row = 1, size(channels)
+         if (channels(row)%owner /= owner .or. channels(row)%t01 == 0) cycle
+         comp = code - channels(row)%t01 + 1
+         if (comp >= 1 .and. comp <= channels(row)%n_comp) return
+      end do
+      row = 0
+      comp = 0
+   end subroutine find_t01
+
+   !> Value of @sampled_at: "t", "t-dt/2" or "t+dt"
+   pure function sampled_at(row, legacy) result(text)
+      integer, intent(in) :: row
+      logical, intent(in) :: legacy
+      character(len=:), allocatable :: text
+
+      text = 't'
+      if (.not. legacy) return
+      if (channels(row)%at == AT_HALF) text = 't-dt/2'
+      if (channels(row)%at == AT_NEXT) text = 't+dt'
+   end function sampled_at
+
+end module kj_channels

@@ -1,0 +1,278 @@
+!> Compares two histories, channel by channel and entity by entity: `kjoint diff`.
+!>
+!> A pass over REF finds the peaks that the tolerances hang on, a pass over both sides compares
+!> rows of equal time; a block of rows of each is in memory, however long they are.
+module kj_diff
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, ERR_FILE, ERR_INPUT
+   use kj_history, only: text_t
+   use kj_channels, only: CH_TIME
+   use kj_metrics, only: metrics, curve_sums_t, add_sample, finish_metrics, M_ISO
+   use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t, profile_t, &
+      find_profile, set_window, N_WORST
+   use kj_diff_walk, only: walk_t, open_cursor, convert_units, rewind_cursor, advance, time_of, &
+      is_final, in_window, close_cursor, start_walk, next_pair
+   use kj_diff_match, only: match_channels, find_classes
+   use kj_diff_measure, only: rounding_t, rounding_of, add_peaks, scene_energy, set_tolerances, &
+      compare_rows
+   use kj_diff_rating, only: rate_channels
+   use kj_diff_report, only: diff_text, diff_json, diff_junit
+   implicit none
+   private
+
+   public :: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, diff_json, &
+      diff_junit
+
+   real(wp), parameter :: EQUAL_TIMES = 1.0e-9_wp           !! of the span of REF
+   real(wp), parameter :: EQUAL_TIMES_SINGLE = 1.0e-7_wp    !! where a side has 32-bit times
+
+contains
+
+   !> Compare RUN with REF; either may be a history of ours or a T01
+   !>
+   !> Errors: ERR_FILE when a file cannot be read or REF holds no sample, ERR_INPUT when the
+   !> profile is not known or the window holds no sample of REF.
+   subroutine compare_histories(ref_path, run_path, options, result, error)
+      character(len=*), intent(in) :: ref_path, run_path
+      type(diff_options_t), intent(in) :: options
+      type(diff_result_t), intent(out) :: result
+      type(error_t), allocatable, intent(out) :: error
+
+      type(walk_t) :: walk
+
+      result%ref_path = ref_path
+      result%run_path = run_path
+      call open_cursor(ref_path, walk%ref, error)
+      if (allocated(error)) return
+      call open_cursor(run_path, walk%run, error)
+      if (.not. allocated(error)) call choose_profile(options, walk, result%profile, error)
+      if (.not. allocated(error)) call compare_open(walk, options, result, error)
+      call close_cursor(walk%ref)
+      call close_cursor(walk%run)
+   end subroutine compare_histories
+
+   !> The profile asked for, else parity with a T01 on a side, else platform; with its tolerance
+   subroutine choose_profile(options, walk, profile, error)
+      type(diff_options_t), intent(in) :: options
+      type(walk_t), intent(in) :: walk
+      type(profile_t), intent(out) :: profile
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=:), allocatable :: name
+
+      name = trim(options%profile)
+      if (name == '') then
+         name = 'platform'
+         if (walk%ref%reader%is_t01 .or. walk%run%reader%is_t01) name = 'parity'
+      end if
+      call find_profile(name, profile, error)
+      if (options%rtol >= 0.0_wp) profile%rtol = options%rtol
+      profile%bitwise = profile%bitwise .and. options%rtol < 0.0_wp
+   end subroutine choose_profile
+
+   !> The comparison of two open histories
+   subroutine compare_open(walk, options, result, error)
+      type(walk_t), intent(inout) :: walk
+      type(diff_options_t), intent(in) :: options
+      type(diff_result_t), intent(inout) :: result
+      type(error_t), allocatable, intent(out) :: error
+
+      type(rounding_t) :: rounding
+      type(curve_sums_t), allocatable :: sums(:)
+      logical :: found, single(2)
+
+      call take_notes(walk, result)
+      call convert_units(walk%run, walk%ref)
+      call match_channels(walk%ref, walk%run, options, result%profile, result%channel)
+      call find_classes(result%channel, result%class)
+      single = [walk%ref%history%single_precision, walk%run%history%single_precision]
+      rounding = rounding_of(count(single))
+      walk%interpolate = options%interpolate
+      walk%has_window = options%has_window
+      walk%window = options%window + [-1, 1]*maxval(abs(options%window))* &
+         merge(EQUAL_TIMES_SINGLE, EQUAL_TIMES, any(single))
+      call look_at_reference(walk, options, any(single), result, error)
+      if (.not. allocated(error)) call start_walk(walk, error)
+      allocate (sums(merge(sum(result%channel%n_comp), 0, any(options%metrics))))
+      do
+         if (.not. allocated(error)) call next_pair(walk, found, error)
+         if (allocated(error)) return
+         if (.not. found) exit
+         call compare_rows(walk%t, walk%x, walk%y, result%profile%bitwise, rounding, &
+            result%channel)
+         if (size(sums) > 0) call add_to_sums(walk, result%channel, sums)
+      end do
+      call judge(walk, result)
+      if (size(sums) == 0) return
+      call keep_metrics(sums, result%channel)
+      if (options%metrics(M_ISO)) call rate_channels(walk, result%channel, result%note, error)
+   end subroutine compare_open
+
+   !> What the user should know about the two files
+   subroutine take_notes(walk, result)
+      type(walk_t), intent(in) :: walk
+      type(diff_result_t), intent(inout) :: result
+
+      result%ignored = walk%ref%reader%unknown
+      result%n_ref = walk%ref%n_row
+      result%n_run = walk%run%n_row
+      allocate (result%note(0))
+      if (allocated(walk%ref%reader%note)) call add_note(result%note, 'REF: '//walk%ref%reader%note)
+      if (allocated(walk%run%reader%note)) call add_note(result%note, 'RUN: '//walk%run%reader%note)
+   end subroutine take_notes
+
+   subroutine add_note(notes, text)
+      type(text_t), allocatable, intent(inout) :: notes(:)
+      character(len=*), intent(in) :: text
+
+      type(text_t), allocatable :: longer(:)
+
+      allocate (longer(size(notes) + 1))
+      longer(:size(notes)) = notes
+      longer(size(longer))%s = text
+      call move_alloc(longer, notes)
+   end subroutine add_note
+
+   !> First pass: peaks and energy of REF inside the window, the span of its times; then tolerances
+   subroutine look_at_reference(walk, options, single, result, error)
+      type(walk_t), intent(inout) :: walk
+      type(diff_options_t), intent(in) :: options
+      logical, intent(in) :: single                !! a side has 32-bit times
+      type(diff_result_t), intent(inout) :: result
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: t, first, last, energy
+      integer :: n, i
+
+      n = 0
+      first = huge(1.0_wp)
+      last = -huge(1.0_wp)
+      energy = 0.0_wp
+      call rewind_cursor(walk%ref)
+      do
+         call advance(walk%ref, error)
+         if (allocated(error)) return
+         if (.not. walk%ref%more) exit
+         t = time_of(walk%ref)
+         if (.not. is_final(walk%ref)) last = max(last, t)
+         first = min(first, t)
+         if (.not. in_window(walk, t)) cycle
+         n = n + 1
+         call add_peaks(walk%ref%rows(:, walk%ref%at), result%channel)
+         energy = max(energy, scene_energy(walk%ref%rows(:, walk%ref%at), result%channel))
+      end do
+      if (n == 0 .and. walk%ref%n_row == 0) then
+         call fail(error, ERR_FILE, result%ref_path//' holds no sample')
+      else if (n == 0) then
+         call fail(error, ERR_INPUT, 'the window holds no sample of '//result%ref_path)
+      end if
+      if (n == 0) return
+      last = max(first, last)
+      walk%tolerance = EQUAL_TIMES*(last - first)
+      if (single) walk%tolerance = EQUAL_TIMES_SINGLE*max(last - first, abs(last))
+      call set_tolerances(result%profile, options%atol, energy, result%channel)
+      do i = 1, size(result%channel)
+         if (result%channel(i)%channel == CH_TIME) result%channel(i)%tolerance = walk%tolerance
+      end do
+   end subroutine look_at_reference
+
+   !> Add a pair of rows to the sums of the metrics
+   subroutine add_to_sums(walk, list, sums)
+      type(walk_t), intent(in) :: walk
+      type(channel_result_t), intent(in) :: list(:)
+      type(curve_sums_t), intent(inout) :: sums(:)    !! one for each number of each channel
+
+      integer :: i, k, at
+
+      at = 0
+      do i = 1, size(list)
+         if (list(i)%run_at > 0) then
+            do k = 1, list(i)%n_comp
+               call add_sample(sums(at + k), walk%t, walk%x(list(i)%ref_at + k - 1), &
+                  walk%y(list(i)%run_at + k - 1))
+            end do
+         end if
+         at = at + list(i)%n_comp
+      end do
+   end subroutine add_to_sums
+
+   !> From the sums to the metrics
+   subroutine keep_metrics(sums, list)
+      type(curve_sums_t), intent(in) :: sums(:)
+      type(channel_result_t), intent(inout) :: list(:)
+
+      integer :: i, k, at
+
+      at = 0
+      do i = 1, size(list)
+         allocate (list(i)%metric(size(metrics), list(i)%n_comp), &
+            source=ieee_value(1.0_wp, ieee_quiet_nan))
+         do k = 1, list(i)%n_comp
+            call finish_metrics(sums(at + k), list(i)%metric(:, k))
+         end do
+         at = at + list(i)%n_comp
+      end do
+   end subroutine keep_metrics
+
+   !> The verdict, the classes and the worst channels
+   subroutine judge(walk, result)
+      type(walk_t), intent(in) :: walk
+      type(diff_result_t), intent(inout) :: result
+
+      integer :: i
+
+      result%n_sample = walk%n_pair
+      result%n_ref_alone = walk%n_ref_alone
+      result%n_run_alone = walk%n_run_alone
+      result%alone_at = walk%alone_at
+      do i = 1, size(result%channel)
+         associate (c => result%channel(i))
+            if (c%channel == CH_TIME .and. walk%n_ref_alone + walk%n_run_alone > 0) then
+               c%different = .true.
+               c%excess = huge(1.0_wp)
+               c%time = walk%alone_at
+            end if
+            if (.not. c%counted) cycle
+            if (c%run_at == 0) then
+               c%different = .true.
+               c%excess = huge(1.0_wp)
+            end if
+            result%n_channel = result%n_channel + 1
+            result%class(c%class)%n_channel = result%class(c%class)%n_channel + 1
+            call note_worst(i, result)
+            if (.not. c%different) cycle
+            result%n_different = result%n_different + 1
+            result%class(c%class)%n_different = result%class(c%class)%n_different + 1
+         end associate
+      end do
+      result%code = merge(1, 0, result%n_different > 0)
+   end subroutine judge
+
+   !> Put a channel in its place among the worst of all and of its class
+   subroutine note_worst(i, result)
+      integer, intent(in) :: i
+      type(diff_result_t), intent(inout) :: result
+
+      integer :: at
+
+      if (.not. result%channel(i)%excess > 0.0_wp) return
+      associate (class => result%class(result%channel(i)%class))
+         if (class%worst == 0) then
+            class%worst = i
+         else if (result%channel(i)%excess > result%channel(class%worst)%excess) then
+            class%worst = i
+         end if
+      end associate
+      at = result%n_worst + 1
+      do while (at > 1)
+         if (result%channel(result%worst(at - 1))%excess >= result%channel(i)%excess) exit
+         at = at - 1
+      end do
+      if (at > N_WORST) return
+      result%n_worst = min(result%n_worst + 1, N_WORST)
+      result%worst(at + 1:result%n_worst) = result%worst(at:result%n_worst - 1)
+      result%worst(at) = i
+   end subroutine note_worst
+
+end module kj_diff

@@ -1,0 +1,308 @@
+!> The outcome of a comparison as text, JSON and JUnit XML.
+module kj_diff_report
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+   use kj_kinds, only: wp
+   use kj_error, only: str
+   use kj_channels, only: channels, CH_TIME
+   use kj_metrics, only: metrics
+   use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
+   use kj_diff_words, only: buffer_t, add, short, short_time, number, boolean, comma, quoted, &
+      text_array, escaped
+   implicit none
+   private
+
+   public :: diff_text, diff_json, diff_junit
+
+   character(len=*), parameter :: NL = new_line('a')
+
+contains
+
+   !> Lines for people: the two files, a line a class, the worst ten, the metrics, the verdict
+   subroutine diff_text(result, options, text)
+      type(diff_result_t), intent(in) :: result
+      type(diff_options_t), intent(in) :: options
+      character(len=:), allocatable, intent(out) :: text
+
+      type(buffer_t) :: b
+      integer :: i
+
+      call add(b, 'REF '//result%ref_path//', '//str(result%n_ref)//' samples'//NL)
+      call add(b, 'RUN '//result%run_path//', '//str(result%n_run)//' samples'//NL)
+      call add(b, 'profile '//trim(result%profile%name)//', '//tolerance_text(result, options)// &
+         ', '//str(result%n_sample)//' samples compared'//NL//NL)
+      call add_classes(result, b)
+      if (result%n_worst > 0) then
+         call add(b, NL//'largest differences, of their tolerances'//NL)
+         do i = 1, result%n_worst
+            call add(b, '  '//worst_of(result, result%channel(result%worst(i)))//NL)
+         end do
+      end if
+      if (any(options%metrics)) call add_metrics(result, options, b)
+      call add_lists(result, b)
+      call add(b, NL//verdict(result)//NL)
+      text = b%s(:b%n)
+   end subroutine diff_text
+
+   !> A line a class: channels, how many differ, the largest difference in terms of its tolerance
+   subroutine add_classes(result, b)
+      type(diff_result_t), intent(in) :: result
+      type(buffer_t), intent(inout) :: b
+
+      character(len=48) :: line
+      integer :: i
+
+      call add(b, 'class             channels  different  of tolerance'//NL)
+      do i = 1, size(result%class)
+         associate (class => result%class(i))
+            if (class%n_channel == 0) cycle
+            write (line, '(a16,2x,i8,2x,i9,2x)') class%name, class%n_channel, class%n_different
+            if (class%worst == 0) then
+               call add(b, line(:39)//'0'//NL)
+            else
+               call add(b, line(:39)//multiple(result%channel(class%worst)%excess)//'  '// &
+                  result%channel(class%worst)%name//NL)
+            end if
+         end associate
+      end do
+   end subroutine add_classes
+
+   !> The lists of what has no part in the verdict, and the notes
+   subroutine add_lists(result, b)
+      type(diff_result_t), intent(in) :: result
+      type(buffer_t), intent(inout) :: b
+
+      logical :: some
+      integer :: i
+
+      some = .false.
+      do i = 1, size(result%ignored)
+         if (.not. some) call add(b, NL//'not compared, no channel of ours:')
+         some = .true.
+         call add(b, ' '//result%ignored(i)%s)
+      end do
+      if (some) call add(b, NL)
+      some = .false.
+      do i = 1, size(result%channel)
+         if (result%channel(i)%counted) cycle
+         if (.not. some) call add(b, NL//'not compared, of the steps of a run:')
+         some = .true.
+         call add(b, ' '//result%channel(i)%name)
+      end do
+      if (some) call add(b, NL)
+      do i = 1, size(result%note)
+         call add(b, NL//'note: '//result%note(i)%s//NL)
+      end do
+   end subroutine add_lists
+
+   !> The rule as it was applied
+   function tolerance_text(result, options) result(text)
+      type(diff_result_t), intent(in) :: result
+      type(diff_options_t), intent(in) :: options
+      character(len=:), allocatable :: text
+
+      text = 'equal bits'
+      if (result%profile%bitwise) return
+      text = short(result%profile%rtol, 2)//' of the peak'
+      if (options%atol > 0.0_wp) text = text//' + '//short(options%atol, 2)
+   end function tolerance_text
+
+   !> "SAME: 84 channels" or "DIFFERENT: 3 of 84 channels, worst ..."
+   function verdict(result) result(text)
+      type(diff_result_t), intent(in) :: result
+      character(len=:), allocatable :: text
+
+      if (result%code == 0) then
+         text = 'SAME: '//str(result%n_channel)//' channels'
+      else
+         text = 'DIFFERENT: '//str(result%n_different)//' of '//str(result%n_channel)// &
+            ' channels, worst '//worst_of(result, result%channel(result%worst(1)))
+      end if
+   end function verdict
+
+   !> "joint/force[5].x 2.3e-3 > 1.0e-3 at t=12.4"
+   function worst_of(result, channel) result(text)
+      type(diff_result_t), intent(in) :: result
+      type(channel_result_t), intent(in) :: channel
+      character(len=:), allocatable :: text
+
+      character(len=1), parameter :: AXIS(3) = ['x', 'y', 'z']
+      character(len=:), allocatable :: a, b
+      integer :: digits
+
+      text = channel%name
+      if (channel%run_at == 0) then
+         text = text//' is missing in RUN'
+      else if (channel%channel == CH_TIME .and. result%n_ref_alone + result%n_run_alone > 0) then
+         text = text//': '//str(result%n_ref_alone)//' samples of REF and '// &
+            str(result%n_run_alone)//' of RUN have no partner, the first at t='// &
+            short_time(result%alone_at)
+      else
+         if (channel%n_comp == 3) text = text//'.'//AXIS(min(max(channel%comp, 1), 3))
+         if (ieee_is_nan(channel%difference)) then
+            text = text//' is not a number on one side'
+         else
+            do digits = 2, 17
+               a = short(channel%difference, digits)
+               b = short(channel%allowed, digits)
+               if (a /= b) exit
+            end do
+            if (channel%different) text = text//' '//a//' > '//b
+            if (.not. channel%different) text = text//' '//a//' <= '//b
+         end if
+         text = text//' at t='//short_time(channel%time)
+      end if
+   end function worst_of
+
+   !> A line for each number of each channel: the metrics wanted
+   subroutine add_metrics(result, options, b)
+      type(diff_result_t), intent(in) :: result
+      type(diff_options_t), intent(in) :: options
+      type(buffer_t), intent(inout) :: b
+
+      character(len=12) :: cell
+      character(len=40) :: name
+      integer :: i, j, k
+
+      name = 'metrics'
+      call add(b, NL//name)
+      do k = 1, size(metrics)
+         cell = adjustr(metrics(k)%column//'  ')
+         if (options%metrics(k)) call add(b, cell)
+      end do
+      call add(b, NL)
+      do i = 1, size(result%channel)
+         if (result%channel(i)%run_at == 0 .or. result%channel(i)%channel == CH_TIME) cycle
+         do j = 1, result%channel(i)%n_comp
+            name = '  '//result%channel(i)%name//component(result%channel(i)%n_comp, j)
+            call add(b, name)
+            do k = 1, size(metrics)
+               if (.not. options%metrics(k)) cycle
+               cell = '-'
+               if (ieee_is_finite(result%channel(i)%metric(k, j))) &
+                  write (cell, '(es11.3)') result%channel(i)%metric(k, j)
+               cell = adjustr(cell)
+               call add(b, cell)
+            end do
+            call add(b, NL)
+         end do
+      end do
+   end subroutine add_metrics
+
+   !> An object: verdict, tolerances, classes, every channel with its worst number and its metrics
+   subroutine diff_json(result, text)
+      type(diff_result_t), intent(in) :: result
+      character(len=:), allocatable, intent(out) :: text
+
+      type(buffer_t) :: b
+      integer :: i
+
+      call add(b, '{"verdict": '//quoted(trim(merge('SAME     ', 'DIFFERENT', result%code == 0)))// &
+         ', "summary": '//quoted(verdict(result))//','//NL)
+      call add(b, ' "ref": '//quoted(result%ref_path)//', "run": '//quoted(result%run_path)//','//NL)
+      call add(b, ' "profile": '//quoted(trim(result%profile%name))//', "rtol": '// &
+         number(result%profile%rtol)//', "bitwise": '//boolean(result%profile%bitwise)//','//NL)
+      call add(b, ' "samples_ref": '//str(result%n_ref)//', "samples_run": '//str(result%n_run)// &
+         ', "samples_compared": '//str(result%n_sample)//','//NL)
+      call add(b, ' "samples_ref_alone": '//str(result%n_ref_alone)// &
+         ', "samples_run_alone": '//str(result%n_run_alone)//','//NL)
+      call add(b, ' "channels": '//str(result%n_channel)//', "different": '// &
+         str(result%n_different)//','//NL)
+      call add(b, ' "classes": ['//NL)
+      do i = 1, size(result%class)
+         call add(b, '  {"name": '//quoted(trim(result%class(i)%name))//', "channels": '// &
+            str(result%class(i)%n_channel)//', "different": '//str(result%class(i)%n_different)// &
+            '}'//comma(i, size(result%class))//NL)
+      end do
+      call add(b, ' ],'//NL//' "worst": [')
+      do i = 1, result%n_worst
+         call add(b, quoted(result%channel(result%worst(i))%name)//comma(i, result%n_worst))
+      end do
+      call add(b, '],'//NL//' "channel": ['//NL)
+      do i = 1, size(result%channel)
+         call add_channel_object(result%channel(i), b)
+         call add(b, comma(i, size(result%channel))//NL)
+      end do
+      call add(b, ' ],'//NL//' "ignored": '//text_array(result%ignored)//','//NL// &
+         ' "notes": '//text_array(result%note)//'}'//NL)
+      text = b%s(:b%n)
+   end subroutine diff_json
+
+   subroutine add_channel_object(channel, b)
+      type(channel_result_t), intent(in) :: channel
+      type(buffer_t), intent(inout) :: b
+
+      integer :: j, k
+
+      call add(b, '  {"name": '//quoted(channel%name)//', "class": '// &
+         quoted(trim(channels(channel%channel)%class))//', "compared": '// &
+         boolean(channel%counted)//', "different": '//boolean(channel%different)// &
+         ', "missing": '//boolean(channel%run_at == 0))
+      call add(b, ', "peak": '//number(channel%peak)//', "difference": '// &
+         number(channel%difference)//', "tolerance": '//number(channel%allowed)// &
+         ', "time": '//number(channel%time)//', "component": '//str(channel%comp)// &
+         ', "beyond": '//str(channel%n_beyond))
+      if (allocated(channel%metric)) then
+         call add(b, ', "metrics": {')
+         do k = 1, size(metrics)
+            call add(b, quoted(trim(metrics(k)%column))//': [')
+            do j = 1, channel%n_comp
+               call add(b, number(channel%metric(k, j))//comma(j, channel%n_comp))
+            end do
+            call add(b, ']'//comma(k, size(metrics)))
+         end do
+         call add(b, '}')
+      end if
+      call add(b, '}')
+   end subroutine add_channel_object
+
+   !> A test suite with a test case a channel
+   subroutine diff_junit(result, text)
+      type(diff_result_t), intent(in) :: result
+      character(len=:), allocatable, intent(out) :: text
+
+      type(buffer_t) :: b
+      integer :: i
+
+      call add(b, '<?xml version="1.0" encoding="UTF-8"?>'//NL//'<testsuite name="kjoint diff '// &
+         escaped(result%ref_path)//' '//escaped(result%run_path)//'" tests="'// &
+         str(result%n_channel)//'" failures="'//str(result%n_different)//'">'//NL)
+      do i = 1, size(result%channel)
+         associate (c => result%channel(i))
+            if (.not. c%counted) cycle
+            call add(b, '  <testcase classname="'//trim(channels(c%channel)%class)//'" name="'// &
+               escaped(c%name)//'"')
+            if (c%different) then
+               call add(b, '><failure message="'//escaped(worst_of(result, c))// &
+                  '"/></testcase>'//NL)
+            else
+               call add(b, '/>'//NL)
+            end if
+         end associate
+      end do
+      call add(b, '</testsuite>'//NL)
+      text = b%s(:b%n)
+   end subroutine diff_junit
+
+   ! ---- pieces of text
+
+   !> A difference in terms of its tolerance
+   function multiple(excess) result(text)
+      real(wp), intent(in) :: excess
+      character(len=:), allocatable :: text
+
+      text = short(excess, 2)
+      if (excess >= huge(1.0_wp)) text = 'any'
+   end function multiple
+
+   !> ".x" of a vector, ".w" of a quaternion, nothing of a scalar
+   pure function component(n_comp, k) result(text)
+      integer, intent(in) :: n_comp, k
+      character(len=:), allocatable :: text
+
+      character(len=4), parameter :: LETTERS(4) = ['    ', '    ', 'xyz ', 'wxyz']
+
+      text = ''
+      if (n_comp >= 3 .and. n_comp <= 4) text = '.'//LETTERS(n_comp)(k:k)
+   end function component
+
+end module kj_diff_report

@@ -1,0 +1,152 @@
+!> What a comparison of two histories is asked and what it answers.
+module kj_diff_types
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, ERR_INPUT
+   use kj_history, only: text_t
+   use kj_metrics, only: metrics
+   implicit none
+   private
+
+   public :: diff_options_t, diff_result_t, channel_result_t, class_result_t, profile_t
+   public :: find_profile, set_window, is_quaternion
+
+   type :: profile_t
+      character(len=8) :: name
+      real(wp) :: rtol           !! tolerance, of the peak in REF
+      logical :: bitwise         !! equal bits wanted; rtol has no part in it
+   end type profile_t
+
+   type(profile_t), parameter, public :: profiles(*) = [ &
+      profile_t('exact',    0.0_wp,     .true.),  &
+      profile_t('repeat',   1.0e-12_wp, .false.), &
+      profile_t('parity',   1.0e-7_wp,  .false.), &
+      profile_t('platform', 1.0e-9_wp,  .false.), &
+      profile_t('solver',   1.0e-2_wp,  .false.)]
+
+   integer, parameter, public :: N_WORST = 10
+
+   type :: diff_options_t
+      character(len=8) :: profile = ''          !! '' = parity with a T01 on a side, else platform
+      real(wp) :: rtol = -1.0_wp                !! in place of that of the profile when not negative
+      real(wp) :: atol = 0.0_wp                 !! added to every tolerance, in units of REF
+      logical :: interpolate = .false.          !! RUN linearly on the times of REF
+      logical :: has_window = .false.
+      real(wp) :: window(2) = 0.0_wp            !! first and last time compared
+      logical :: metrics(size(metrics)) = .false.
+   end type diff_options_t
+
+   !> One channel of one entity
+   type :: channel_result_t
+      character(len=:), allocatable :: name     !! "joint/force[5]", "kinetic_energy_trans"
+      integer :: channel = 0                    !! row of kj_channels
+      integer :: class = 0                      !! place in diff_result_t%class
+      integer :: entity = 0                     !! user id, 0 for the run
+      integer :: n_comp = 1
+      integer :: ref_at = 0, run_at = 0         !! place in a row of each side; run_at 0 = missing
+      logical :: counted = .true.               !! false: listed, not part of the verdict
+      logical :: different = .false.
+      integer :: n_beyond = 0                   !! numbers beyond their tolerance
+      real(wp) :: peak = 0.0_wp                 !! largest norm in REF
+      real(wp) :: tolerance = 0.0_wp            !! atol + rtol S
+      ! the worst number: where its difference is largest in terms of the tolerance
+      real(wp) :: excess = 0.0_wp               !! difference/tolerance, huge where that is 0
+      real(wp) :: difference = 0.0_wp           !! NaN when only one side is NaN
+      real(wp) :: allowed = 0.0_wp              !! the tolerance there
+      real(wp) :: time = 0.0_wp
+      integer :: comp = 0
+      real(wp), allocatable :: metric(:, :)     !! (size(metrics), n_comp) when metrics are wanted
+   end type channel_result_t
+
+   type :: class_result_t
+      character(len=20) :: name = ''
+      integer :: n_channel = 0, n_different = 0
+      integer :: worst = 0                      !! place in diff_result_t%channel
+   end type class_result_t
+
+   type :: diff_result_t
+      integer :: code = 0                       !! 0 same, 1 different
+      character(len=:), allocatable :: ref_path, run_path
+      type(profile_t) :: profile                !! with the tolerance that was used
+      integer :: n_ref = 0, n_run = 0           !! samples
+      integer :: n_sample = 0                   !! compared
+      integer :: n_ref_alone = 0, n_run_alone = 0   !! without a partner, but for the final state
+      real(wp) :: alone_at = 0.0_wp             !! time of the first of these
+      integer :: n_channel = 0, n_different = 0
+      type(channel_result_t), allocatable :: channel(:)    !! the time first
+      type(class_result_t), allocatable :: class(:)
+      integer :: n_worst = 0
+      integer :: worst(N_WORST) = 0             !! places in `channel`, worst first
+      type(text_t), allocatable :: ignored(:)   !! variables of REF that our layout does not know
+      type(text_t), allocatable :: note(:)
+   end type diff_result_t
+
+contains
+
+   !> Row of a profile
+   !>
+   !> Errors: ERR_INPUT when there is none of this name.
+   subroutine find_profile(name, profile, error)
+      character(len=*), intent(in) :: name
+      type(profile_t), intent(out) :: profile
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=:), allocatable :: known
+      integer :: i
+
+      known = ''
+      do i = 1, size(profiles)
+         profile = profiles(i)
+         if (profile%name == name) return
+         known = known//' '//trim(profile%name)
+      end do
+      call fail(error, ERR_INPUT, 'there is no profile "'//trim(name)//'", but'//known)
+   end subroutine find_profile
+
+   !> Take a window from its text, "T0:T1"
+   !>
+   !> Errors: ERR_INPUT when it is not of this form or T1 < T0.
+   subroutine set_window(text, options, error)
+      character(len=*), intent(in) :: text
+      type(diff_options_t), intent(inout) :: options
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: colon
+      logical :: ok(2)
+
+      colon = index(text, ':')
+      ok = .false.
+      if (colon > 1) then
+         call read_number(text(:colon - 1), options%window(1), ok(1))
+         call read_number(text(colon + 1:), options%window(2), ok(2))
+      end if
+      options%has_window = all(ok)
+      if (all(ok)) options%has_window = options%window(1) <= options%window(2)
+      if (.not. options%has_window) call fail(error, ERR_INPUT, &
+         'a window is two times T0:T1 with T0 <= T1, not "'//text//'"')
+   end subroutine set_window
+
+   !> A real of digits, sign, point and exponent alone
+   subroutine read_number(text, value, ok)
+      character(len=*), intent(in) :: text
+      real(wp), intent(out) :: value
+      logical, intent(out) :: ok
+
+      character(len=20) :: form
+      integer :: status
+
+      value = 0.0_wp
+      ok = len(text) > 0 .and. verify(text, '+-.0123456789eEdD') == 0
+      if (.not. ok) return
+      write (form, '(a,i0,a)') '(f', len(text), '.0)'
+      read (text, form, iostat=status) value
+      ok = status == 0
+   end subroutine read_number
+
+   !> Compared by angle, as one number
+   pure logical function is_quaternion(channel)
+      type(channel_result_t), intent(in) :: channel
+
+      is_quaternion = channel%n_comp == 4
+   end function is_quaternion
+
+end module kj_diff_types

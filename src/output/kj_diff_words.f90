@@ -1,0 +1,170 @@
+!> Pieces of text for the reports of a comparison: a text that grows, short numbers, JSON and XML.
+module kj_diff_words
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kj_kinds, only: wp
+   use kj_error, only: str
+   use kj_utf8, only: as_utf8
+   use kj_history, only: text_t
+   implicit none
+   private
+
+   public :: buffer_t, add, short, short_time, number, boolean, comma, quoted, text_array, escaped
+
+   !> Text that grows: doubled when it is full
+   type :: buffer_t
+      character(len=:), allocatable :: s
+      integer :: n = 0
+   end type buffer_t
+
+contains
+
+   subroutine add(b, text)
+      type(buffer_t), intent(inout) :: b
+      character(len=*), intent(in) :: text
+
+      character(len=:), allocatable :: longer
+
+      if (.not. allocated(b%s)) allocate (character(len=4096) :: b%s)
+      if (b%n + len(text) > len(b%s)) then
+         allocate (character(len=2*len(b%s) + len(text)) :: longer)
+         longer(:b%n) = b%s(:b%n)
+         call move_alloc(longer, b%s)
+      end if
+      b%s(b%n + 1:b%n + len(text)) = text
+      b%n = b%n + len(text)
+   end subroutine add
+
+   !> A positive number with a few digits: 2.3e-3, 0
+   function short(value, digits) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: digits
+      character(len=:), allocatable :: text
+
+      character(len=40) :: buffer, form
+      integer :: e, power
+
+      if (.not. ieee_is_finite(value)) then
+         text = 'infinity'
+      else if (value <= 0.0_wp) then
+         text = '0'
+      else
+         write (form, '(a,i0,a)') '(es40.', digits - 1, 'e4)'
+         write (buffer, form) value
+         buffer = adjustl(buffer)
+         e = scan(buffer, 'E')
+         read (buffer(e + 1:e + 5), '(i5)') power
+         text = buffer(:e - 1)//'e'//str(power)
+      end if
+   end function short
+
+   !> A time: up to 6 digits, without zeros at the end
+   function short_time(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: text
+
+      character(len=40) :: buffer
+
+      if (abs(value) >= 1.0e6_wp .or. (abs(value) < 1.0e-4_wp .and. abs(value) > 0.0_wp)) then
+         text = short(abs(value), 6)
+         if (value < 0.0_wp) text = '-'//text
+         return
+      end if
+      write (buffer, '(f20.6)') value
+      if (abs(value) >= 10.0_wp) write (buffer, '(f20.4)') value
+      text = trim(adjustl(buffer))
+      do while (text(len(text):) == '0')
+         text = text(:len(text) - 1)
+      end do
+      if (text(len(text):) == '.') text = text(:len(text) - 1)
+   end function short_time
+
+   pure function boolean(value) result(text)
+      logical, intent(in) :: value
+      character(len=:), allocatable :: text
+
+      text = 'false'
+      if (value) text = 'true'
+   end function boolean
+
+   pure function comma(i, n) result(text)
+      integer, intent(in) :: i, n
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (i < n) text = ', '
+   end function comma
+
+   !> A number of JSON, null when it is not finite
+   function number(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: text
+
+      character(len=24) :: buffer
+
+      text = 'null'
+      if (.not. ieee_is_finite(value)) return
+      write (buffer, '(es24.16e3)') value
+      text = trim(adjustl(buffer))
+   end function number
+
+   !> A string of JSON
+   function quoted(text) result(json)
+      character(len=*), intent(in) :: text
+      character(len=:), allocatable :: json, clean
+
+      character(len=6) :: code
+      integer :: i
+
+      clean = as_utf8(text)
+      json = '"'
+      do i = 1, len(clean)
+         if (iachar(clean(i:i)) < 32) then
+            write (code, '(a,z4.4)') '\u', iachar(clean(i:i))
+            json = json//code
+         else
+            if (scan(clean(i:i), '"\') > 0) json = json//'\'
+            json = json//clean(i:i)
+         end if
+      end do
+      json = json//'"'
+   end function quoted
+
+   function text_array(list) result(json)
+      type(text_t), intent(in) :: list(:)
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = '['
+      do i = 1, size(list)
+         json = json//quoted(list(i)%s)//comma(i, size(list))
+      end do
+      json = json//']'
+   end function text_array
+
+   !> Text inside an attribute of XML
+   function escaped(text) result(xml)
+      character(len=*), intent(in) :: text
+      character(len=:), allocatable :: xml, clean
+
+      integer :: i
+
+      clean = as_utf8(text)
+      xml = ''
+      do i = 1, len(clean)
+         select case (clean(i:i))
+         case ('&')
+            xml = xml//'&amp;'
+         case ('<')
+            xml = xml//'&lt;'
+         case ('>')
+            xml = xml//'&gt;'
+         case ('"')
+            xml = xml//'&quot;'
+         case default
+            if (iachar(clean(i:i)) >= 32) xml = xml//clean(i:i)
+         end select
+      end do
+   end function escaped
+
+end module kj_diff_words

@@ -1,0 +1,113 @@
+!> Reads a history from a file of either kind: ours (HDF5) or a Radioss T01. The kind is taken from
+!> the first bytes, not from the name.
+module kj_reader
+   use, intrinsic :: iso_fortran_env, only: int8
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, ERR_FILE
+   use kj_history, only: history_t, text_t
+   use kj_t01_bytes, only: byte_file_t, open_bytes, read_bytes, close_bytes
+   use kj_t01, only: t01_reader_t, open_t01, read_t01_rows, close_t01
+   use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history
+   implicit none
+   private
+
+   public :: history_reader_t, open_history_file, read_rows, close_history_file
+
+   integer, parameter :: CLOSED = 0, KIND_T01 = 1, KIND_H5 = 2
+
+   !> An open file; components are for reading only
+   type :: history_reader_t
+      integer, private :: kind = CLOSED
+      type(t01_reader_t), private :: t01
+      type(h5_reader_t), private :: h5
+      logical :: is_t01 = .false.
+      logical :: has_units = .false.             !! history%units are those of the file
+      logical, allocatable :: given(:)           !! (n_value) the file holds this series
+      type(text_t), allocatable :: unknown(:)    !! variables that our layout has no channel for
+      character(len=:), allocatable :: note      !! set when something was left out
+   end type history_reader_t
+
+   integer, parameter :: HDF5_MAGIC(8) = [137, 72, 68, 70, 13, 10, 26, 10]
+
+contains
+
+   !> Open a file and say what it holds
+   !>
+   !> Errors: ERR_FILE when it cannot be opened, is neither kind or is damaged.
+   subroutine open_history_file(path, reader, history, n_row, error)
+      character(len=*), intent(in) :: path
+      type(history_reader_t), intent(out) :: reader
+      type(history_t), intent(out) :: history
+      integer, intent(out) :: n_row
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: is_h5
+
+      n_row = 0
+      call look_at_magic(path, is_h5, error)
+      if (allocated(error)) return
+      if (is_h5) then
+         call open_h5_history(path, reader%h5, history, n_row, error)
+         if (allocated(error)) return
+         reader%kind = KIND_H5
+         reader%has_units = .true.
+         allocate (reader%given(history%n_value), source=.true.)
+         allocate (reader%unknown(0))
+      else
+         call open_t01(path, reader%t01, history, n_row, error)
+         if (allocated(error)) return
+         reader%kind = KIND_T01
+         reader%is_t01 = .true.
+         reader%has_units = reader%t01%has_units
+         reader%given = reader%t01%given
+         call move_alloc(reader%t01%unknown, reader%unknown)
+         if (allocated(reader%t01%note)) reader%note = reader%t01%note
+      end if
+   end subroutine open_history_file
+
+   !> Does the file begin as HDF5 files do
+   subroutine look_at_magic(path, is_h5, error)
+      character(len=*), intent(in) :: path
+      logical, intent(out) :: is_h5
+      type(error_t), allocatable, intent(out) :: error
+
+      type(byte_file_t) :: file
+      integer(int8) :: head(size(HDF5_MAGIC))
+      integer :: n
+      logical :: ok
+
+      is_h5 = .false.
+      call open_bytes(path, file, ok)
+      if (.not. ok) then
+         call fail(error, ERR_FILE, 'cannot open '//path)
+         return
+      end if
+      call read_bytes(file, head, n)
+      call close_bytes(file)
+      if (n == size(head)) is_h5 = all(iand(int(head), 255) == HDF5_MAGIC)
+   end subroutine look_at_magic
+
+   !> Read n rows from row `first` on, as history%variable says
+   !>
+   !> Errors: ERR_FILE when a row is damaged.
+   subroutine read_rows(reader, first, n, rows, error)
+      type(history_reader_t), intent(inout) :: reader
+      integer, intent(in) :: first, n
+      real(wp), intent(out) :: rows(:, :)        !! (history%n_value, >= n)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (reader%kind == KIND_T01) call read_t01_rows(reader%t01, first, n, rows, error)
+      if (reader%kind == KIND_H5) call read_h5_rows(reader%h5, first, n, rows, error)
+   end subroutine read_rows
+
+   !> Close; nothing happens when it is not open
+   subroutine close_history_file(reader, error)
+      type(history_reader_t), intent(inout) :: reader
+      type(error_t), allocatable, intent(out) :: error
+
+      if (reader%kind == KIND_T01) call close_t01(reader%t01)
+      if (reader%kind == KIND_H5) call close_h5_history(reader%h5, error)
+      reader%kind = CLOSED
+   end subroutine close_history_file
+
+end module kj_reader

@@ -1,0 +1,252 @@
+!> The sink that writes a history file. Rows are held until a chunk is full, then written in whole
+!> chunks; at least every FLUSH_SECONDS what is there becomes readable by others.
+!>
+!> The file grows under a name of its own beside `path` and takes that name at the first flush, so
+!> that an older history is lost only to a run that got going.
+module kj_sink_h5
+   use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_FILE, ERR_INTERNAL
+   use kj_version, only: KJOINT_VERSION
+   use kj_system, only: rename_file, remove_file, host_name, date_time, wall_clock
+   use kj_utf8, only: as_utf8
+   use kj_channels, only: AS_F64, AS_I32, AS_I64, CH_TIME
+   use kj_history, only: history_t, variable_t
+   use kj_sink, only: sink_t
+   use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
+      create_group, put_text, put_number
+   use kj_h5_data, only: write_series
+   use kj_h5_layout, only: write_layout, get_row_shape
+   implicit none
+   private
+
+   !> A history file under way, or none (file < 0)
+   type, extends(sink_t), public :: sink_h5_t
+      ! set by the caller before open
+      character(len=:), allocatable :: path           !! of the history
+      character(len=:), allocatable :: command_line   !! kept in /run
+      logical :: reproducible = .false.               !! equal runs write equal bytes
+      integer :: n_threads = 1                        !! kept in /run
+      ! own
+      integer(hid_t), private :: file = -1, run = -1           !! /run
+      integer(hid_t), allocatable, private :: series(:)        !! datasets of the variables
+      type(variable_t), allocatable, private :: variable(:)
+      real(wp), allocatable, private :: buffer(:, :)           !! (n_value, rows in a chunk)
+      integer, private :: n_written = 0                        !! rows in chunks that are full
+      integer, private :: n_held = 0                           !! rows in the buffer
+      logical, private :: named = .false.                      !! the file has its final name
+      real(wp), private :: started = 0.0_wp, flushed = 0.0_wp, last_put = 0.0_wp  !! wall clock [s]
+   contains
+      procedure :: open => open_h5
+      procedure :: put => put_h5
+      procedure :: flush => flush_h5
+      procedure :: close => close_h5
+   end type sink_h5_t
+
+   integer, parameter :: MOST_CHUNK_ROWS = 1024                !! a power of two
+   integer, parameter :: MOST_BUFFER_BYTES = 4*1024*1024
+   real(wp), parameter :: FLUSH_SECONDS = 2.0_wp
+   character(len=*), parameter :: GROWING = '.part'    !! ends the name of a file that is new
+
+contains
+
+   !> Create the file and write everything that is known before the first row.
+   !> Errors: ERR_FILE when the file cannot be created
+   subroutine open_h5(self, history, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(history_t), intent(in) :: history
+      type(error_t), allocatable, intent(out) :: error
+
+      type(error_t), allocatable :: closing
+      integer :: n_chunk
+      logical :: folder
+
+      if (.not. allocated(self%path)) self%path = ''
+      inquire (file=self%path//'/.', exist=folder)
+      if (self%path == '' .or. folder .or. index(self%path, '/dev/') == 1) then
+         call fail(error, ERR_FILE, '"'//self%path//'" is no name for a history file')
+         return
+      end if
+      call start_hdf5(error)
+      call create_file(self%path//GROWING, self%file, error)
+      if (allocated(error)) then
+         error%message = 'cannot create the history file '//self%path
+         return
+      end if
+
+      n_chunk = MOST_CHUNK_ROWS
+      do while (n_chunk > 1 .and. n_chunk > MOST_BUFFER_BYTES/(8*max(1, history%n_value)))
+         n_chunk = n_chunk/2
+      end do
+      if (allocated(self%series)) deallocate (self%series, self%variable, self%buffer)
+      allocate (self%series(size(history%variable)), self%buffer(history%n_value, n_chunk))
+      self%variable = history%variable
+      self%n_written = 0
+      self%n_held = 0
+      self%named = .false.
+      self%started = wall_clock()
+      self%flushed = self%started
+      self%last_put = self%started
+
+      call write_layout(self%file, history, n_chunk, self%series, error)
+      call put_start(self, error)
+      if (allocated(error)) then
+         call close_file(self%file, closing)
+         call remove_file(self%path//GROWING)
+      end if
+   end subroutine open_h5
+
+   !> Write to /run what is known at the start; reproducible leaves out what differs between runs
+   subroutine put_start(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      call create_group(self%file, 'run', self%run, error)
+      if (.not. self%reproducible .and. allocated(self%command_line)) &
+         call put_text(self%run, 'command_line', as_utf8(self%command_line), error)
+      call put_text(self%run, 'version', KJOINT_VERSION, error)
+      call put_text(self%run, 'compiler', compiler_version(), error)
+      call put_text(self%run, 'compiler_options', compiler_options(), error)
+      call put_text(self%run, 'hdf5_version', hdf5_version(), error)
+      if (.not. self%reproducible) then
+         call put_number(self%run, 'n_threads', AS_I32, real(self%n_threads, wp), error)
+         call put_text(self%run, 'host', as_utf8(host_name()), error)
+         call put_text(self%run, 'started', date_time(), error)
+      end if
+      call put_text(self%run, 'status', 'RUNNING', error)
+   end subroutine put_start
+
+   !> Take one row. Errors: ERR_FILE when it cannot be written, ERR_INTERNAL when it does not fit
+   subroutine put_h5(self, row, error)
+      class(sink_h5_t), intent(inout) :: self
+      real(wp), intent(in) :: row(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: now
+
+      if (self%file < 0) then
+         call fail(error, ERR_INTERNAL, 'a row came to a history that is not open')
+         return
+      end if
+      if (size(row) /= size(self%buffer, 1)) then
+         call fail(error, ERR_INTERNAL, 'a row of '//str(size(row))// &
+            ' values came to a history of '//str(size(self%buffer, 1)))
+         return
+      end if
+      self%n_held = self%n_held + 1
+      self%buffer(:, self%n_held) = row
+
+      if (self%reproducible) then
+         if (self%n_held == size(self%buffer, 2)) call self%flush(error)
+         return
+      end if
+      ! flush when the next row, as far away as this one was, would come too late
+      now = wall_clock()
+      if (2.0_wp*now - self%last_put - self%flushed >= FLUSH_SECONDS) then
+         call self%flush(error)
+      else if (self%n_held == size(self%buffer, 2)) then
+         call write_held(self, error)
+      end if
+      self%last_put = now
+   end subroutine put_h5
+
+   !> Make every row taken so far readable by others. Errors: ERR_FILE
+   subroutine flush_h5(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      if (self%file < 0) return
+      call write_held(self, error)
+      call flush_file(self%file, error)
+      if (.not. allocated(error)) call take_name(self, error)
+      self%flushed = wall_clock()
+   end subroutine flush_h5
+
+   !> Write the rows in the buffer, time last: a reader finds at least as many rows of the rest.
+   !> A part of a chunk stays in the buffer and is written again with the rest of the chunk.
+   subroutine write_held(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: i, i_time
+
+      if (self%n_held == 0) return
+      i_time = 0
+      do i = 1, size(self%variable)
+         if (self%variable(i)%channel == CH_TIME) then
+            i_time = i
+         else
+            call write_held_of(self, i, error)
+         end if
+      end do
+      if (i_time > 0) call write_held_of(self, i_time, error)
+      if (allocated(error)) error%file = self%path
+      if (self%n_held < size(self%buffer, 2)) return
+      self%n_written = self%n_written + self%n_held
+      self%n_held = 0
+   end subroutine write_held
+
+   !> Write what the buffer holds of one variable
+   subroutine write_held_of(self, i, error)
+      class(sink_h5_t), intent(inout) :: self
+      integer, intent(in) :: i                      !! of self%variable
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer, allocatable :: dims(:)
+      real(wp), allocatable :: values(:)
+      integer :: row, n
+
+      if (self%series(i) < 0) return
+      call get_row_shape(self%variable(i), dims)
+      n = self%variable(i)%n_comp*self%variable(i)%n_entity
+      allocate (values(n*self%n_held))
+      do row = 1, self%n_held
+         values((row - 1)*n + 1:row*n) = &
+            self%buffer(self%variable(i)%first:self%variable(i)%first + n - 1, row)
+      end do
+      call write_series(self%series(i), dims, self%n_written + 1, self%n_held, values, error)
+   end subroutine write_held_of
+
+   !> Give the file its final name, replacing an older history. Errors: ERR_FILE
+   subroutine take_name(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (self%named) return
+      call rename_file(self%path//GROWING, self%path, self%named)
+      if (.not. self%named) call fail(error, ERR_FILE, 'cannot rename '//self%path//GROWING// &
+         ' to '//self%path)
+   end subroutine take_name
+
+   !> Write the rest and the outcome and close the file, whatever fails on the way. A run that
+   !> failed before its first row, or whose first flush failed, leaves no file. Errors: ERR_FILE, the first
+   subroutine close_h5(self, status, cycles, exit_code, error)
+      class(sink_h5_t), intent(inout) :: self
+      character(len=*), intent(in) :: status
+      integer, intent(in) :: cycles, exit_code
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: empty
+
+      if (self%file < 0) return
+      empty = self%n_written + self%n_held == 0
+      call write_held(self, error)
+      if (.not. self%reproducible) then
+         call put_text(self%run, 'ended', date_time(), error)
+         call put_number(self%run, 'elapsed_s', AS_F64, wall_clock() - self%started, error)
+      end if
+      call put_number(self%run, 'cycles', AS_I64, real(cycles, wp), error)
+      call put_text(self%run, 'status', as_utf8(status), error)
+      call put_number(self%run, 'exit_code', AS_I32, real(exit_code, wp), error)
+      call close_file(self%file, error)
+      self%run = -1
+      self%series = -1
+      if (self%named) return
+      if (allocated(error) .or. (empty .and. exit_code /= 0)) then
+         call remove_file(self%path//GROWING)
+      else
+         call take_name(self, error)
+      end if
+   end subroutine close_h5
+
+end module kj_sink_h5

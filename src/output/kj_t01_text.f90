@@ -1,0 +1,215 @@
+!> Records of the text form of a Radioss time history (/TFILE type 3): a line that announces the
+!> items of a record, then integers in 10 columns, reals in 16 and texts as they are.
+module kj_t01_text
+   use kj_kinds, only: wp
+   use kj_t01_bytes, only: byte_file_t, read_text_line
+   implicit none
+   private
+
+   public :: begin_text, read_descriptor, read_text_record, read_text_reals, skip_text_reals
+
+   integer, parameter :: LINE_LENGTH = 512         !! longest line
+   integer, parameter :: INT_WIDTH = 10, SHORT_INT_WIDTH = 5, REAL_WIDTH = 16
+   integer, parameter :: INTS_A_LINE = 16, REALS_A_LINE = 5
+
+contains
+
+   !> Read the first line, "<name> FORMAT"; `found` is false on any other
+   subroutine begin_text(bytes, found)
+      type(byte_file_t), intent(in) :: bytes
+      logical, intent(out) :: found
+
+      character(len=LINE_LENGTH) :: line
+      integer :: n
+
+      call read_text_line(bytes, line, n)
+      found = n >= 6
+      if (.not. found) return
+      n = len_trim(line(:n))
+      if (n >= 6) found = line(n - 5:n) == 'FORMAT'
+   end subroutine begin_text
+
+   !> Read the line that announces a record: "ZZZZZEOR" and (count, letter) pairs; `count` is the
+   !> sum of the counts with this letter, or -1 at the end of the file and on any other line
+   subroutine read_descriptor(bytes, letter, count)
+      type(byte_file_t), intent(in) :: bytes
+      character(len=1), intent(in) :: letter         !! I, C or R
+      integer, intent(out) :: count
+
+      character(len=LINE_LENGTH) :: line
+      integer :: n, i, number
+
+      count = -1
+      call read_text_line(bytes, line, n)
+      if (n < 8) return
+      if (line(:8) /= 'ZZZZZEOR') return
+      count = 0
+      number = 0
+      do i = 9, n
+         if (verify(line(i:i), '0123456789') == 0) then
+            number = min(10*number + iachar(line(i:i)) - iachar('0'), 10**8)
+         else if (line(i:i) /= ' ') then
+            if (line(i:i) == letter) count = count + number
+            number = 0
+         end if
+      end do
+   end subroutine read_descriptor
+
+   !> Read reals in columns of 16, 5 a line; not ok when one is not a number
+   subroutine read_text_reals(bytes, values, ok)
+      type(byte_file_t), intent(in) :: bytes
+      real(wp), intent(out) :: values(:)
+      logical, intent(out) :: ok
+
+      character(len=LINE_LENGTH) :: line
+      integer :: i, n, at, status
+
+      values = 0.0_wp
+      ok = .true.
+      do i = 1, size(values)
+         at = REAL_WIDTH*mod(i - 1, REALS_A_LINE)
+         if (at == 0) call read_text_line(bytes, line, n)
+         ok = n >= at + REAL_WIDTH
+         if (ok) ok = len_trim(line(at + 1:at + REAL_WIDTH)) > 0
+         if (.not. ok) return
+         read (line(at + 1:at + REAL_WIDTH), '(f16.0)', iostat=status) values(i)
+         ok = status == 0
+         if (.not. ok) return
+      end do
+   end subroutine read_text_reals
+
+   !> Go over the lines of n reals; not ok when one is too short
+   subroutine skip_text_reals(bytes, n, ok)
+      type(byte_file_t), intent(in) :: bytes
+      integer, intent(in) :: n
+      logical, intent(out) :: ok
+
+      character(len=LINE_LENGTH) :: line
+      integer :: i, length
+
+      ok = .true.
+      do i = 1, n, REALS_A_LINE
+         call read_text_line(bytes, line, length)
+         ok = length >= REAL_WIDTH*min(REALS_A_LINE, n - i + 1)
+         if (.not. ok) return
+      end do
+   end subroutine skip_text_reals
+
+   !> Read a record of integers, a text and integers: integers alone stand 16 a line, anything else
+   !> on one line
+   subroutine read_text_record(bytes, n_lead, n_char, n_trail, ints, text, ok)
+      type(byte_file_t), intent(in) :: bytes
+      integer, intent(in) :: n_lead, n_char, n_trail         !! integers, characters, integers
+      integer, allocatable, intent(out) :: ints(:)           !! (n_lead + n_trail)
+      character(len=:), allocatable, intent(out) :: text     !! without blanks at its end
+      logical, intent(out) :: ok
+
+      integer :: i, announced
+
+      text = ''
+      call read_descriptor(bytes, 'I', announced)
+      ok = announced == n_lead + n_trail
+      if (.not. ok) then
+         allocate (ints(0))
+      else if (n_char > 0) then
+         allocate (ints(n_lead + n_trail))
+         ints = 0
+         call read_mixed_line(bytes, n_lead, n_char, n_trail, ints, text, ok)
+      else
+         allocate (ints(0))
+         do i = 1, n_lead, INTS_A_LINE
+            call append_ints(bytes, min(INTS_A_LINE, n_lead - i + 1), ints, ok)
+            if (.not. ok) exit
+         end do
+      end if
+   end subroutine read_text_record
+
+   !> Integers, a text and integers on one line
+   subroutine read_mixed_line(bytes, n_lead, n_char, n_trail, ints, text, ok)
+      type(byte_file_t), intent(in) :: bytes
+      integer, intent(in) :: n_lead, n_char, n_trail
+      integer, intent(inout) :: ints(:)
+      character(len=:), allocatable, intent(inout) :: text
+      logical, intent(out) :: ok
+
+      character(len=LINE_LENGTH) :: line
+      integer :: n, start, last
+
+      call read_text_line(bytes, line, n)
+      start = 0
+      if (n >= 0) call cut_lead(line, n, n_char + SHORT_INT_WIDTH*n_trail, ints(:n_lead), start)
+      ok = n >= 0 .and. start >= 0
+      last = start + n_char + SHORT_INT_WIDTH*n_trail
+      ok = ok .and. last <= len(line)
+      if (.not. ok) return
+      text = trim(line(start + 1:start + n_char))
+      call cut_ints(line(start + n_char + 1:last), SHORT_INT_WIDTH, ints(n_lead + 1:), ok)
+   end subroutine read_mixed_line
+
+   !> Integers before a text: 10 columns each, or 10 for the first and 5 for the others
+   subroutine cut_lead(line, length, n_rest, ints, start)
+      character(len=*), intent(in) :: line
+      integer, intent(in) :: length, n_rest         !! columns of the line; after the integers
+      integer, intent(inout) :: ints(:)
+      integer, intent(out) :: start                 !! columns of the integers, -1 = none fits
+
+      integer :: columns(2), widths(2), i
+      logical :: exact, ok
+
+      widths = [INT_WIDTH, SHORT_INT_WIDTH]
+      columns = INT_WIDTH*min(size(ints), 1) + widths*max(size(ints) - 1, 0)
+      ! the length of the line tells, unless blanks at its end were lost
+      exact = any(columns + n_rest == length)
+      do i = 1, 2
+         start = columns(i)
+         if (start > len(line) .or. length > start + n_rest) cycle
+         if (exact .and. start + n_rest /= length) cycle
+         call cut_ints(line(:start), widths(i), ints, ok)
+         if (ok) return
+      end do
+      start = -1
+   end subroutine cut_lead
+
+   !> Right-justified integers; the first takes what columns the others leave
+   subroutine cut_ints(text, width, ints, ok)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: width                  !! columns of all but the first
+      integer, intent(inout) :: ints(:)
+      logical, intent(out) :: ok
+
+      integer :: i, first, last, status
+
+      ok = .true.
+      if (size(ints) == 0) return
+      last = len(text) - width*(size(ints) - 1)
+      first = 1
+      do i = 1, size(ints)
+         ok = text(last:last) /= ' ' .and. verify(text(first:last), ' -0123456789') == 0
+         if (.not. ok) return
+         read (text(first:last), '(i10)', iostat=status) ints(i)
+         ok = status == 0
+         if (.not. ok) return
+         first = last + 1
+         last = last + width
+      end do
+   end subroutine cut_ints
+
+   !> Read a line of n integers
+   subroutine append_ints(bytes, n, ints, ok)
+      type(byte_file_t), intent(in) :: bytes
+      integer, intent(in) :: n
+      integer, allocatable, intent(inout) :: ints(:)
+      logical, intent(out) :: ok
+
+      character(len=LINE_LENGTH) :: line
+      integer :: more(n), length
+
+      call read_text_line(bytes, line, length)
+      ok = length >= 0
+      if (.not. ok) return
+      more = 0
+      call cut_ints(line(:INT_WIDTH*n), INT_WIDTH, more, ok)
+      ints = [ints, more]
+   end subroutine append_ints
+
+end module kj_t01_text

@@ -1,0 +1,178 @@
+!> Rigid bodies of the legacy scheme: nodal forces -> accelerations -> motion of their nodes.
+!> Source: legacy_scheme.md 3.2, 3.3.
+module kj_body
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_RUN
+   use kj_math3, only: cross, rotation
+   use kj_lapack, only: solve_dense
+   use kj_model, only: model_t
+   use kj_state, only: state_t
+   use kj_skew, only: axis_of
+   use kj_joint_frame, only: BLOCK, turn_frames, to_local, to_world
+   implicit none
+   private
+
+   public :: turn_bodies, solve_conditioned, linear_accelerations, move_leads, move_secondaries
+   public :: secondary_velocity
+
+contains
+
+   !> Turn the principal axes by h1 w and solve the Euler equations of bodies lo..hi.
+   !>
+   !> al = P I^-1 (P^T m - w_l x I w_l), w at t - h1/2
+   subroutine turn_bodies(state, lo, hi)
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: lo, hi
+
+      real(wp), dimension(BLOCK, 3) :: phi, w, m, wl, ml, al
+      real(wp) :: p(BLOCK, 9)
+      integer :: from, to, n, i, k
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         do k = 1, 3
+            state%principal(from:to, k) = max(state%principal(from:to, k), state%inertia(from:to))
+            w(:n, k) = state%world%w(from:to, k)
+            phi(:n, k) = state%h1*w(:n, k)
+            m(:n, k) = state%m(from:to, k) + state%m_own(from:to, k)
+         end do
+         p(:n, :) = state%p(from:to, :)
+         call turn_frames(n, phi, p)
+         state%p(from:to, :) = p(:n, :)
+         call to_local(n, p, w, wl)
+         call to_local(n, p, m, ml)
+         associate (inertia => state%principal(from:to, :))
+            do i = 1, n
+               ml(i, 1) = (ml(i, 1) + (inertia(i, 2) - inertia(i, 3))*wl(i, 2)*wl(i, 3))/inertia(i, 1)
+               ml(i, 2) = (ml(i, 2) + (inertia(i, 3) - inertia(i, 1))*wl(i, 3)*wl(i, 1))/inertia(i, 2)
+               ml(i, 3) = (ml(i, 3) + (inertia(i, 1) - inertia(i, 2))*wl(i, 1)*wl(i, 2))/inertia(i, 3)
+            end do
+         end associate
+         call to_world(n, p, ml, al)
+         state%al(from:to, :) = al(:n, :)
+      end do
+   end subroutine turn_bodies
+
+   !> Bodies with rotational conditions: solve the reduced system (B J B^T) g = B m, al = B^T g,
+   !> where the rows of B are the free axes.
+   subroutine solve_conditioned(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      real(wp) :: p(3, 3), j(3, 3), b(3, 3), w(3), m(3), g(3)
+      integer :: i, lead, dof, n
+      logical :: ok
+
+      do i = 1, size(model%bcs)
+         lead = model%bcs(i)%lead
+         if (lead > model%n_body .or. .not. any(model%bcs(i)%fixed(4:6))) cycle
+         n = 0
+         do dof = 1, 3
+            if (model%bcs(i)%fixed(dof + 3)) cycle
+            n = n + 1
+            b(n, :) = axis_of(state%world%skew, model%bcs(i)%skew, dof)
+         end do
+         state%al(lead, :) = 0.0_wp
+         if (n == 0) cycle
+         p = reshape(state%p(lead, :), [3, 3])
+         j = matmul(p*spread(state%principal(lead, :), 1, 3), transpose(p))
+         w = state%world%w(lead, :)
+         m = state%m(lead, :) + state%m_own(lead, :) + cross(matmul(j, w), w)
+         g(:n) = matmul(b(:n, :), m)
+         call solve_dense(n, matmul(matmul(b(:n, :), j), transpose(b(:n, :))), g(:n), ok)
+         if (ok) state%al(lead, :) = matmul(g(:n), b(:n, :))
+      end do
+   end subroutine solve_conditioned
+
+   !> a = f/m and, for free nodes, al = m/I; zero where there is no mass or inertia
+   subroutine linear_accelerations(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      do k = 1, 3
+         do i = 1, model%n_lead
+            state%a(i, k) = 0.0_wp
+            if (state%mass(i) > 0.0_wp) &
+               state%a(i, k) = (state%f(i, k) + state%f_own(i, k))/state%mass(i)
+         end do
+         do i = model%n_body + 1, model%n_lead
+            state%al(i, k) = 0.0_wp
+            if (state%inertia(i) > 0.0_wp) &
+               state%al(i, k) = (state%m(i, k) + state%m_own(i, k))/state%inertia(i)
+         end do
+      end do
+   end subroutine linear_accelerations
+
+   !> v += h12 a, w += h12 al, x += h2 v of all leads
+   subroutine move_leads(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      do k = 1, 3
+         do i = 1, model%n_lead
+            state%v(i, k) = state%v(i, k) + state%h12*state%a(i, k)
+            state%world%w(i, k) = state%world%w(i, k) + state%h12*state%al(i, k)
+            state%d(i, k) = state%d(i, k) + state%h2*state%v(i, k)
+            state%world%x(i, k) = state%world%x(i, k) + state%h2*state%v(i, k)
+         end do
+      end do
+   end subroutine move_leads
+
+   !> New velocity of a secondary node at r from the main node, given the body's new v and w.
+   !>
+   !> v + w x r + h2/2 w x (w x r). With at most two secondary nodes (`few`) the first w x r is the
+   !> finite rotation over h12 once it is large, and the centripetal part counts twice.
+   pure function secondary_velocity(v, w, r, h2, h12, few) result(u)
+      real(wp), intent(in) :: v(3), w(3), r(3), h2, h12
+      logical, intent(in) :: few
+      real(wp) :: u(3)
+
+      real(wp) :: rel(3)
+
+      rel = cross(w, r)
+      if (few) then
+         if (dot_product(w, w)*h12**2 > 1.0e-6_wp .and. dot_product(rel, rel)*h12**2 > 1.0e-8_wp) &
+            rel = (matmul(rotation(w*h12), r) - r)/h12
+      end if
+      u = v + rel + 0.5_wp*h2*cross(w, rel)
+   end function secondary_velocity
+
+   !> Move the secondary nodes of bodies lo..hi by one step; the leads have their new velocities
+   !> but still their old positions.
+   !>
+   !> Errors: ERR_RUN when a body with more than two secondary nodes turns by over 1 rad a step.
+   subroutine move_secondaries(model, state, lo, hi, error)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: lo, hi
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: w(3), v(3), r(3), u(3)
+      integer :: b, i
+      logical :: few
+
+      do b = lo, hi
+         few = model%first(b + 1) - model%first(b) <= 2
+         v = state%v(b, :) + state%h12*state%a(b, :)
+         w = state%world%w(b, :) + state%h12*state%al(b, :)
+         do i = model%first(b), model%first(b + 1) - 1
+            r = state%world%x(i, :) - state%world%x(b, :)
+            u = secondary_velocity(v, w, r, state%h2, state%h12, few)
+            state%v(i, :) = u
+            state%d(i, :) = state%d(i, :) + state%h2*u
+            state%world%x(i, :) = state%world%x(i, :) + state%h2*u
+         end do
+         if (few) cycle
+         if (state%h2**2*sum(state%world%w(b, :)**2) > 1.0_wp) then
+            call fail(error, ERR_RUN, 'body '//str(model%body_id(b))//' turns by more than 1 rad in a step')
+            return
+         end if
+      end do
+   end subroutine move_secondaries
+
+end module kj_body

@@ -1,0 +1,95 @@
+!> Everything that changes during a legacy run.
+!>
+!> Between cycles x, d are at t(n), v, w at t(n - 1/2); after the forces of cycle n, a, al are at t(n).
+module kj_state
+   use kj_kinds, only: wp
+   use kj_model, only: model_t
+   use kj_joint_force, only: world_t, start_stiffness, N_WRENCH
+   use kj_joint_batch, only: joint_state_t, new_joint_state
+   implicit none
+   private
+
+   public :: state_t, new_state
+
+   real(wp), parameter, public :: EPS20 = 1.0e-20_wp
+   real(wp), parameter, public :: NO_LIMIT = 1.0e6_wp   !! step of a scene that nothing limits
+   real(wp), parameter, public :: GROWTH = real(1.1, wp)   !! largest growth of the step, single precision
+
+   integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2
+
+   type :: state_t
+      integer :: cycle = 0
+      real(wp) :: time = 0.0_wp
+      real(wp) :: h1 = 0.0_wp, h2 = 0.0_wp, h12 = 0.0_wp   !! step before, after, their mean
+      real(wp) :: h_old = 0.0_wp                          !! memory of the growth limit
+      integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: lead index
+      logical :: ended = .false.                          !! /DT/NODA/STOP acted
+      ! nodes and leads
+      type(world_t) :: world                               !! x, w, skew axes
+      real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3)
+      real(wp), allocatable :: a(:, :), al(:, :)           !! (n_lead, 3)
+      real(wp), allocatable :: f(:, :), m(:, :)            !! (n_lead, 3) from joints and secondaries
+      real(wp), allocatable :: f_own(:, :), m_own(:, :)    !! (n_lead, 3) loads on the lead itself
+      real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
+      real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
+      ! bodies
+      real(wp), allocatable :: p(:, :)                     !! (n_body, 9) principal axes, columns, W
+      real(wp), allocatable :: principal(:, :)             !! (n_body, 3)
+      real(wp), allocatable :: impulse(:, :), angular_impulse(:, :), rotation_sum(:, :)
+      real(wp), allocatable :: w_before(:, :)              !! (n_bcs, 3) w before the conditions acted
+      integer, allocatable :: bcs_of(:)                    !! (n_lead) its conditions, 0 = none
+      ! joints
+      type(joint_state_t), allocatable :: joint(:)         !! one a batch
+      real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_joint)
+      ! work of loads
+      real(wp), allocatable :: motion_power(:)             !! of each imposed motion in the last cycle
+      real(wp), allocatable :: motion_turn(:, :)           !! (n_motion, 3) sum of w h of its lead
+      real(wp) :: power = 0.0_wp                           !! of concentrated loads, this cycle
+      real(wp) :: work = 0.0_wp                            !! external work
+      real(wp) :: energy0 = 0.0_wp                         !! energy at the start
+   end type state_t
+
+contains
+
+   !> State at t = 0, before the first cycle
+   subroutine new_state(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(out) :: state
+
+      integer :: i
+
+      state%h_old = 1.0e6_wp/1.1_wp
+      if (model%control%dt_ini > 0.0_wp) state%h_old = min(state%h_old, model%control%dt_ini/1.1_wp)
+      allocate (state%world%x, source=model%x0)
+      allocate (state%world%w, source=model%w0)
+      allocate (state%world%skew(0:model%skews%n, 9))
+      state%world%skew = model%skews%axes
+      allocate (state%v, source=model%v0)
+      allocate (state%d(model%n_node, 3), source=0.0_wp)
+      associate (n => model%n_lead, nb => model%n_body)
+         allocate (state%a(n, 3), state%al(n, 3), state%f(n, 3), state%m(n, 3), state%f_own(n, 3), &
+            state%m_own(n, 3), source=0.0_wp)
+         allocate (state%kn(n), state%kr(n), source=EPS20)
+         allocate (state%impulse(nb, 3), state%angular_impulse(nb, 3), state%rotation_sum(nb, 3), &
+            source=0.0_wp)
+         allocate (state%bcs_of(n), source=0)
+      end associate
+      allocate (state%mass, source=model%mass)
+      allocate (state%inertia, source=model%inertia)
+      allocate (state%p, source=model%axes)
+      allocate (state%principal, source=model%principal)
+      allocate (state%w_before(size(model%bcs), 3), source=0.0_wp)
+      do i = 1, size(model%bcs)
+         state%bcs_of(model%bcs(i)%lead) = i
+      end do
+      allocate (state%joint(size(model%batch)))
+      do i = 1, size(model%batch)
+         call new_joint_state(model%batch(i), state%joint(i))
+         call start_stiffness(model%batch(i), state%joint(i))
+      end do
+      allocate (state%wrench(N_WRENCH, model%n_joint), source=0.0_wp)
+      allocate (state%motion_power(size(model%motion)), source=0.0_wp)
+      allocate (state%motion_turn(size(model%motion), 3), source=0.0_wp)
+   end subroutine new_state
+
+end module kj_state

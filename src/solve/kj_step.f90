@@ -1,0 +1,117 @@
+!> One cycle of the legacy scheme, in two halves: up to the accelerations at t(n), where samples are
+!> taken, and the motion to t(n + 1).
+!> Source: legacy_scheme.md 1.2.
+module kj_step
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_RUN
+   use kj_model, only: model_t
+   use kj_state, only: state_t, EPS20
+   use kj_skew, only: move_skews
+   use kj_joint_force, only: add_joint_forces
+   use kj_assembly, only: gather_wrenches
+   use kj_load, only: add_cloads, add_gravity, hold_conditions, impose_motion
+   use kj_body, only: turn_bodies, solve_conditioned, linear_accelerations, move_leads, &
+      move_secondaries
+   use kj_time_step, only: choose_step
+   implicit none
+   private
+
+   public :: find_accelerations, advance
+
+contains
+
+   !> Cycle n up to the accelerations: everything at t(n) is known, h2 is chosen.
+   !>
+   !> Errors: ERR_RUN when the time step is not a positive number.
+   subroutine find_accelerations(model, state, sampling, error)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      logical, intent(in) :: sampling        !! keep what only samples need
+      type(error_t), allocatable, intent(out) :: error
+
+      state%h1 = state%h2
+      call move_skews(model%skews, state%world%x, state%world%skew)
+      call joint_forces(model, state, sampling)
+      call gather(model, state)
+      call add_cloads(model, state)
+      call count_impulses(model, state)
+      call turn_bodies(state, 1, model%n_body)
+      call solve_conditioned(model, state)
+      call choose_step(model, state)
+      call check_step(model, state, error)
+      state%work = state%work + state%power*state%h2
+      call linear_accelerations(model, state)
+      call add_gravity(model, state)
+      call hold_conditions(model, state)
+      call impose_motion(model, state)
+      state%rotation_sum = state%rotation_sum + state%h2*state%world%w(:model%n_body, :)
+   end subroutine find_accelerations
+
+   !> Move everything to t(n + 1).
+   !>
+   !> Errors: ERR_RUN when a body turns too far in a step.
+   subroutine advance(model, state, error)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: i
+
+      call move_secondaries(model, state, 1, model%n_body, error)
+      call move_leads(model, state)
+      do i = 1, size(model%motion)
+         state%motion_turn(i, :) = state%motion_turn(i, :) + &
+            state%h2*state%world%w(model%motion(i)%lead, :)
+      end do
+      state%cycle = state%cycle + 1
+      state%time = state%time + state%h2
+   end subroutine advance
+
+   subroutine joint_forces(model, state, sampling)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      logical, intent(in) :: sampling
+
+      integer :: b
+
+      do b = 1, size(model%batch)
+         call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, sampling, 1, &
+            model%batch(b)%n, state%joint(b), state%wrench)
+      end do
+   end subroutine joint_forces
+
+   subroutine gather(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      call gather_wrenches(model%map, state%wrench, 1, model%n_lead, state%f, state%m, state%kn, &
+         state%kr)
+      state%kn = state%kn + EPS20
+      state%kr = state%kr + EPS20
+      state%f_own = 0.0_wp
+      state%m_own = 0.0_wp
+   end subroutine gather
+
+   !> Impulses of the forces on secondary nodes, as the Radioss time history keeps them
+   subroutine count_impulses(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      associate (n => model%n_body)
+         state%impulse = state%impulse + state%h1*state%f(:n, :)
+         state%angular_impulse = state%angular_impulse + state%h1*state%m(:n, :)
+      end associate
+   end subroutine count_impulses
+
+   subroutine check_step(model, state, error)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      if (state%h2 > 0.0_wp .and. ieee_is_finite(state%h2) .and. &
+         all(ieee_is_finite(state%al(:model%n_body, 1)))) return
+      call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '//str(state%cycle))
+   end subroutine check_step
+
+end module kj_step

@@ -1,0 +1,263 @@
+#!/usr/bin/env python3
+"""Tests of the program kjoint as a user meets it: words, streams, exit codes, signals.
+
+usage: test_cli.py KJOINT [unittest arguments]
+"""
+import json
+import os
+import pathlib
+import pty
+import re
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SOURCE = pathlib.Path(os.environ.get("KJOINT_SOURCE_DIR", pathlib.Path(__file__).parents[2]))
+CASE = SOURCE / "tests" / "parity" / "REV01"
+KJOINT = ""
+
+
+class Program(unittest.TestCase):
+    """Runs kjoint in a folder of its own, with a short deck REV01 in it."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+        for name in ("REV01_0000.rad", "REV01_0001.rad"):
+            shutil.copy(CASE / name, self.folder)
+            (self.folder / name).chmod(0o644)
+        self.starter = self.folder / "REV01_0000.rad"
+        self.engine = self.folder / "REV01_0001.rad"
+        self.short()
+
+    def short(self):
+        """End after ten samples instead of 250."""
+        self.engine.write_text(self.engine.read_text().replace("\n0.5\n", "\n0.0199\n", 1))
+
+    def kjoint(self, *words, code=0, **environment):
+        done = subprocess.run([KJOINT, *words], cwd=self.folder, capture_output=True, text=True,
+                              env={**os.environ, **environment}, timeout=300, check=False)
+        self.assertEqual(code, done.returncode, done.stdout + done.stderr)
+        return done
+
+    def deck_with(self, old, new):
+        text = self.starter.read_text()
+        self.assertIn(old, text)
+        self.starter.write_text(text.replace(old, new, 1))
+
+
+class Usage(Program):
+    def test_without_words_it_shows_the_help(self):
+        done = self.kjoint()
+        self.assertIn("usage: kjoint COMMAND", done.stdout)
+        self.assertEqual("", done.stderr)
+
+    def test_version_is_that_of_the_project(self):
+        version = os.environ.get("KJOINT_VERSION")
+        self.assertEqual(f"kjoint {version}\n", self.kjoint("--version").stdout)
+
+    def test_every_command_of_the_help_has_a_help(self):
+        lines = self.kjoint("help").stdout.split("Options of")[0].splitlines()
+        commands = [line.split()[0] for line in lines if re.match(r"   \S", line)]
+        self.assertIn("run", commands)
+        for command in commands:
+            self.assertIn(f"usage: kjoint {command}", self.kjoint("help", command).stdout)
+
+    def test_unknown_words_are_usage_errors_with_a_guess(self):
+        self.assertIn('did you mean "run"', self.kjoint("rum", code=2).stderr)
+        done = self.kjoint("run", "a", "--untill", "1", code=2)
+        self.assertIn('did you mean "--until"', done.stderr)
+        self.assertEqual("", done.stdout)
+
+    def test_tables_are_printed(self):
+        self.assertEqual(10, len(self.kjoint("list", "joints").stdout.splitlines()))
+        self.assertIn("/PROP/TYPE33", self.kjoint("list", "keywords").stdout)
+        self.assertIn("rigid_body/orientation", self.kjoint("list", "channels").stdout)
+        self.kjoint("list", "nothing", code=2)
+
+    def test_messages_are_explained(self):
+        self.assertIn("cause", self.kjoint("help", "KJ-0078").stdout)
+        self.assertIn("cause", self.kjoint("help", "kj-0078").stdout)
+        self.kjoint("help", "KJ-xxxx", code=2)
+
+
+class Run(Program):
+    def test_a_run_ends_with_a_summary_and_a_history(self):
+        done = self.kjoint("run", "--legacy", "REV01_0000.rad")
+        for word in ("NORMAL TERMINATION", "cycles", "time step", "energy error", "slowest cost",
+                     "joint-cycles/s", "REV01.h5"):
+            self.assertIn(word, done.stdout)
+        self.assertTrue((self.folder / "REV01.h5").exists())
+        self.assertIn("NORMAL TERMINATION", self.kjoint("info", "REV01.h5").stdout)
+
+    def test_quiet_says_nothing(self):
+        done = self.kjoint("run", "--legacy", "-q", "-i", "REV01_0000.rad", "-o", "a.h5")
+        self.assertEqual(("", ""), (done.stdout, done.stderr))
+        self.assertTrue((self.folder / "a.h5").exists())
+
+    def test_json_is_one_object_on_stdout(self):
+        done = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad", "REV01_0001.rad")
+        said = json.loads(done.stdout)
+        self.assertEqual("NORMAL TERMINATION", said["status"])
+        self.assertEqual(0, said["exit_code"])
+        self.assertEqual(1, said["joints"])
+        self.assertGreater(said["cycles"], 9)
+
+    def test_a_pipe_gets_a_listing_line_every_print_cycles(self):
+        self.engine.write_text(self.engine.read_text().replace("/PRINT/-1000", "/PRINT/-100"))
+        done = self.kjoint("run", "--legacy", "REV01_0000.rad")
+        self.assertNotIn("\r", done.stderr)
+        self.assertGreaterEqual(len(re.findall(r"^ +\d+ +\d\.\d+E", done.stderr, re.M)), 1)
+
+    def test_until_and_sample_stand_for_the_engine_deck(self):
+        self.engine.unlink()
+        done = self.kjoint("run", "--legacy", "REV01_0000.rad", code=2)
+        self.assertIn("--until", done.stderr)
+        self.kjoint("run", "--legacy", "REV01_0000.rad", "--until", "0.01", "--sample", "0.002")
+
+    def test_equal_runs_are_equal_bytes(self):
+        for name in ("a.h5", "b.h5"):
+            self.kjoint("run", "--legacy", "REV01_0000.rad", "--reproducible", "-o", name)
+        self.assertEqual((self.folder / "a.h5").read_bytes(), (self.folder / "b.h5").read_bytes())
+
+    def test_a_crlf_deck_gives_the_same_numbers(self):
+        first = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad").stdout
+        self.starter.write_bytes(self.starter.read_bytes().replace(b"\n", b"\r\n"))
+        second = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad").stdout
+        for key in ("cycles", "time", "time_step", "energy_error"):
+            self.assertEqual(json.loads(first)[key], json.loads(second)[key])
+
+
+class Errors(Program):
+    def test_missing_files_are_file_errors(self):
+        self.assertIn("nowhere_0000.rad",
+                      self.kjoint("run", "--legacy", "nowhere_0000.rad", code=3).stderr)
+        self.kjoint("run", "--legacy", "REV01_0000.rad", "nowhere_0001.rad", code=3)
+        self.kjoint("info", "nowhere.h5", code=3)
+        self.kjoint("info", "REV01_0000.rad", code=3)
+
+    def test_a_folder_that_cannot_be_written_is_a_file_error(self):
+        self.kjoint("run", "--legacy", "REV01_0000.rad", "-o", "no/where.h5", code=3)
+
+    def test_a_letter_in_a_number_is_pointed_at(self):
+        self.deck_with("           1000000.0 ", "           1000O00.0 ")
+        done = self.kjoint("run", "--legacy", "REV01_0000.rad", code=2)
+        place = re.search(r"REV01_0000\.rad:(\d+):(\d+)-(\d+)", done.stderr)
+        self.assertTrue(place, done.stderr)
+        line = int(place.group(1))
+        card = self.starter.read_text().splitlines()[line - 1]
+        first, last = int(place.group(2)), int(place.group(3))
+        self.assertEqual("1000O00.0", card[first - 1:last])
+        self.assertIn("^" * 9, done.stderr)
+        self.assertRegex(done.stderr, r"error\[KJ-\w{4}\]: ")
+        self.assertEqual("", done.stdout)
+        self.assertFalse((self.folder / "REV01.h5").exists())
+
+    def test_a_bad_deck_leaves_the_old_history_alone(self):
+        (self.folder / "REV01.h5").write_text("old")
+        self.deck_with("       900       101       201", "       900       101       299")
+        self.kjoint("run", "--legacy", "REV01_0000.rad", code=2)
+        self.assertEqual("old", (self.folder / "REV01.h5").read_text())
+
+    def test_json_gives_findings_as_objects(self):
+        self.deck_with("       900       101       201", "       900       101       299")
+        done = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad", code=2)
+        errors = [f for f in json.loads(done.stdout)["findings"] if f["severity"] == "error"]
+        self.assertTrue(errors[0]["file"].endswith("REV01_0000.rad"))
+        self.assertEqual([21, 30], [errors[0]["first"], errors[0]["last"]])
+
+    def test_unknown_keywords_are_errors_until_they_are_ignored(self):
+        self.deck_with("/END", "/NONSENSE/1\ntitle\n/END")
+        self.assertIn("NONSENSE", self.kjoint("run", "--legacy", "REV01_0000.rad", code=2).stderr)
+
+
+class Signals(Program):
+    def long_run(self):
+        words = [KJOINT, "run", "--legacy", "REV01_0000.rad", "--until", "1e4", "--sample", "0.01"]
+        return subprocess.Popen(words, cwd=self.folder, stdout=subprocess.PIPE,
+                                stderr=subprocess.DEVNULL, text=True)
+
+    def check(self, number, code):
+        run = self.long_run()
+        time.sleep(1.5)
+        run.send_signal(number)
+        said, _ = run.communicate(timeout=60)
+        self.assertEqual(code, run.returncode)
+        self.assertIn("STOPPED BY USER", said)
+        self.assertIn("STOPPED BY USER", self.kjoint("info", "REV01.h5").stdout)
+
+    def test_interrupt_closes_the_history(self):
+        self.check(signal.SIGINT, 130)
+
+    def test_terminate_closes_the_history(self):
+        self.check(signal.SIGTERM, 143)
+
+
+class Terminal(Program):
+    def on_a_terminal(self, seconds, **environment):
+        """What a run prints on a terminal within some seconds; then it is interrupted."""
+        pid, master = pty.fork()
+        if pid == 0:
+            os.chdir(self.folder)
+            words = [KJOINT, "run", "--legacy", "REV01_0000.rad", "--until", "1e4",
+                     "--sample", "0.01"]
+            os.execve(KJOINT, words, {**os.environ, "TERM": "xterm", **environment})
+        said, end, sent = b"", time.monotonic() + seconds, False
+        while True:
+            if not sent and time.monotonic() > end:
+                os.kill(pid, signal.SIGINT)
+                sent = True
+            if select.select([master], [], [], 0.1)[0]:
+                try:
+                    part = os.read(master, 65536)
+                except OSError:
+                    part = b""
+                if not part:
+                    break
+                said += part
+        os.close(master)
+        self.assertEqual(130, os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
+        return said.decode()
+
+    def test_a_line_is_written_over_at_most_five_times_a_second(self):
+        said = self.on_a_terminal(3.0)
+        lines = re.findall(r"\r *\d+\.\d %  t [^\r]*ETA[^\r]*", said)
+        self.assertGreaterEqual(len(lines), 3)
+        self.assertLessEqual(len(lines), 12)
+
+    def test_a_dumb_terminal_gets_listing_lines(self):
+        said = self.on_a_terminal(2.0, TERM="dumb")
+        self.assertNotIn("\x1b", said)
+        self.assertNotRegex(said, "\r(?!\n)")
+
+    def test_colours_can_be_refused(self):
+        self.deck_with("           1000000.0 ", "           1000O00.0 ")
+        for environment, wanted in (({}, True), ({"NO_COLOR": "1"}, False),
+                                    ({"TERM": "dumb"}, False)):
+            pid, master = pty.fork()
+            if pid == 0:
+                os.chdir(self.folder)
+                os.execve(KJOINT, [KJOINT, "run", "--legacy", "REV01_0000.rad"],
+                          {**{k: v for k, v in os.environ.items() if k != "NO_COLOR"},
+                           "TERM": "xterm", **environment})
+            said = b""
+            try:
+                while part := os.read(master, 65536):
+                    said += part
+            except OSError:
+                pass
+            os.close(master)
+            self.assertEqual(2, os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
+            self.assertEqual(wanted, b"\x1b[" in said)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    KJOINT = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    unittest.main()

@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""Tests of the project's own tools: check_style.py finds what it promises, pf2f90.py refuses what
+pFUnit or the project does not allow."""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(os.environ.get("KJOINT_SOURCE_DIR", pathlib.Path(__file__).parents[2]))
+
+GOOD = """\
+!> A module that follows the guide.
+module kj_thing
+   use kj_kinds, only: wp
+   implicit none
+   private
+
+   public :: thing_t, double
+
+   !> A thing
+   type :: thing_t
+      real(wp) :: size = 0.0_wp
+   end type thing_t
+
+contains
+
+   !> Twice a value
+   pure real(wp) function double(x)
+      real(wp), intent(in) :: x
+
+      double = 2*x    ! print * in a comment
+   end function double
+end module kj_thing
+"""
+KINDS = """\
+!> Kinds.
+module kj_kinds
+   implicit none
+   private
+
+   integer, parameter, public :: wp = 8
+end module kj_kinds
+"""
+
+
+class Style(unittest.TestCase):
+    def check(self, text, layer="base", name="kj_thing", listed=True, kinds=KINDS):
+        """Findings in a tree with this one module besides kj_kinds, without the file name."""
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for path, content in ((f"src/{layer}/{name}.f90", text),
+                                  ("src/base/kj_kinds.f90", kinds)):
+                (root / path).parent.mkdir(parents=True, exist_ok=True)
+                (root / path).write_text(content)
+            (root / "tests" / "unit").mkdir(parents=True)
+            (root / "tests" / "CMakeLists.txt").write_text("")
+            files = f"src/base/kj_kinds.f90 {f'src/{layer}/{name}.f90' if listed else ''}"
+            (root / "CMakeLists.txt").write_text(files)
+            tool = SOURCE / "tools" / "check_style.py"
+            done = subprocess.run([sys.executable, tool, root], capture_output=True, text=True,
+                                  check=False)
+            found = [line.split(":", 1)[1] for line in done.stdout.splitlines() if ".f90:" in line]
+            self.assertEqual(1 if found else 0, done.returncode, done.stderr)
+            return found
+
+    def finds(self, wanted, text, **where):
+        found = self.check(text, **where)
+        self.assertEqual(1, len(found), found)
+        self.assertIn(wanted, found[0])
+
+    def test_a_good_module_passes(self):
+        self.assertEqual([], self.check(GOOD))
+
+    def test_lines_and_files_have_a_length(self):
+        self.finds("101 columns", GOOD.replace("!> A thing", "!> A thing".ljust(98, "x")))
+        self.finds("more than 400", GOOD + "!\n" * 400)
+        self.finds("trailing blank", GOOD.replace("contains", "contains "))
+        self.finds("tab", GOOD.replace("2*x", "2*\tx"))
+
+    def test_rows_of_tables_may_be_longer(self):
+        row = "      thing_t(1._wp), &".ljust(132, "x")
+        self.assertEqual([], self.check(GOOD.replace("contains\n", f"contains\n{row}\n")))
+        self.finds("more than 132", GOOD.replace("contains\n", f"contains\n{row}x\n"))
+
+    def test_module_and_file_have_one_name(self):
+        self.finds("differ in name", GOOD, name="kj_other")
+        self.finds("implicit none", GOOD.replace("   implicit none\n", ""))
+        self.finds("private", GOOD.replace("   private\n", ""))
+
+    def test_every_source_is_built(self):
+        self.finds("not in CMakeLists.txt", GOOD, listed=False)
+
+    def test_use_names_what_it_takes_from_layers_below(self):
+        self.finds("without only", GOOD.replace(", only: wp", ""))
+        self.finds("hdf5 outside", GOOD.replace("   implicit", "   use hdf5, only: a\n   implicit"))
+        kinds = KINDS.replace("   implicit", "   use kj_thing, only: double\n   implicit")
+        found = self.check(GOOD, layer="deck", kinds=kinds)
+        self.assertEqual(["3: base uses kj_thing of the later layer deck"], found)
+
+    def test_the_library_is_silent(self):
+        for line in ("print *, x", "write (*, *) x", "stop 1", "error stop", "if (x > 0) stop",
+                     "write (error_unit, '(a)') 'x'"):
+            text = GOOD.replace("      double = ", f"      {line}\n      double = ")
+            self.finds("does not print", text)
+            self.assertEqual([], self.check(text, layer="cli"))
+        self.finds("environment", GOOD.replace(
+            "      double = ", "      call get_environment_variable(x)\n      double = "))
+
+    def test_modules_hold_no_variables(self):
+        self.finds("module variable", GOOD.replace("contains", "   integer :: n = 0\n\ncontains"))
+        self.finds("save", GOOD.replace("      double = ", "      save\n      double = "))
+
+    def test_long_procedures_and_missing_comments_are_found(self):
+        long = "      !\n" * 80 + "      double = "
+        self.finds("more than 80", GOOD.replace("      double = ", long))
+        self.finds("public double without", GOOD.replace("   !> Twice a value\n", ""))
+        self.finds("public thing_t without", GOOD.replace("   !> A thing\n", ""))
+
+
+class Translator(unittest.TestCase):
+    def translate(self, text, name="test_a"):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / f"{name}.pf"
+            path.write_text(text)
+            tool = SOURCE / "tools" / "pf2f90.py"
+            return subprocess.run([sys.executable, tool, folder, path], capture_output=True,
+                                  text=True, check=False).stderr.strip()
+
+    def test_the_subset_is_taken_and_the_rest_refused(self):
+        good = ("module test_a\nuse funit\ncontains\n@test\nsubroutine it_is()\n"
+                "@assertEqual(1, 1)\nend subroutine\nend module\n")
+        self.assertEqual("", self.translate(good))
+        for old, new, message in (
+                ("@assertEqual(1, 1)", "@assertSomething(1)", "not in the allowed subset"),
+                ("@assertEqual(1, 1)", "@assertEqual(1, &", "not in the allowed subset"),
+                ("@test\n", "@test(npes=[1])\n", "not in the allowed subset"),
+                ("it_is()", "it_is(n)", "without arguments"),
+                ("it_is", "x" * 45, "44 characters"),
+                ("@test\n", "", "no test"),
+                ("module test_a", "module test_b", "name of the file")):
+            self.assertIn(message, self.translate(good.replace(old, new, 1)))
+
+
+if __name__ == "__main__":
+    unittest.main()

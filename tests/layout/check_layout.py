@@ -1,0 +1,299 @@
+#!/usr/bin/env python3
+"""Check that a history file keeps the HDF5 layout 1.0 and that the usual readers open it.
+
+usage: check_layout.py RUN.h5      (one line per violation and exit 1; exit 0 when there is none)
+
+Reads the file with h5py, with xarray through h5netcdf and netCDF4, with `ncdump -h`, and compares it
+with itself by `h5diff`.
+"""
+import shutil
+import subprocess
+import sys
+import warnings
+
+import h5py
+import numpy as np
+
+MOST_CHUNK_BYTES = 256 * 1024
+ENTITY = {"joint": "joint", "rigid_body": "body", "node": "node"}
+COMPONENTS = {"axis": ["x", "y", "z"], "quaternion": ["w", "x", "y", "z"]}
+ROOT_ATTRIBUTES = {
+    "Conventions": "CF-1.11 KJOINT-TH-1.0", "title": None, "source": None,
+    "kjoint_format_major": 1, "kjoint_format_minor": 0,
+    "unit_mass": None, "unit_length": None, "unit_time": None, "NX_class": "NXentry"}
+CLASSES = {"time", "energy", "force", "moment", "displacement", "rotation", "velocity",
+           "angular_velocity", "acceleration", "control", "flag", "momentum"}
+INTEGER_SERIES = {"cycle": "int64", "time_step_owner_kind": "int8", "time_step_owner": "int32",
+                  "final": "int8"}
+IDS = {"joint", "body", "node", "type", "property", "node1", "node2", "body1", "body2", "main_node"}
+QUATERNIONS = {"frame", "orientation"}
+CONSTANT_DIMS = {"inertia_principal": ("axis",), "principal_axes": ("axis", "axis")}
+VOLATILE_ORDER = ["command_line", "version", "compiler", "compiler_options", "hdf5_version"]
+OF_HDF5 = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_Netcdf4Dimid",
+           "_Netcdf4Coordinates"}                       # what dimension scales write themselves
+ORDERED = h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED
+
+
+class Checker:
+    """Collects violations of one file."""
+
+    def __init__(self, path):
+        self.path, self.found = path, []
+
+    def say(self, place, message):
+        self.found.append(f"{self.path}: {place}: {message}")
+
+    def expect(self, condition, place, message):
+        if not condition:
+            self.say(place, message)
+        return bool(condition)
+
+    # ---- the file as h5py sees it
+
+    def check_file(self):
+        with h5py.File(self.path, "r") as file:
+            root = h5py.h5g.open(file.id, b"/").get_create_plist()
+            self.expect(root.get_link_creation_order() == ORDERED, "/",
+                        "creation order of links is not tracked and indexed")
+            self.expect(root.get_attr_creation_order() == ORDERED, "/",
+                        "creation order of attributes is not tracked and indexed")
+            self.expect(not root.get_obj_track_times(), "/", "stores its times")
+            self.check_attributes(file, "/")
+            self.check_root(file)
+            self.check_links(file, "")
+            for name in ENTITY:
+                if name in file:
+                    self.check_entities(file, file[name], name)
+            self.check_input(file)
+            self.check_run(file)
+
+    def check_root(self, file):
+        for name, value in ROOT_ATTRIBUTES.items():
+            if self.expect(name in file.attrs, "/", f"no attribute {name}") and value is not None:
+                self.expect(file.attrs[name] == value, "/",
+                            f"attribute {name} is {file.attrs[name]!r}, not {value!r}")
+        groups = [name for name in ENTITY if name in file]
+        if groups:
+            self.expect(file.attrs.get("default") == groups[0], "/",
+                        f"attribute default is not {groups[0]!r}")
+        if not self.expect("time" in file, "/time", "missing"):
+            return
+        time = file["time"]
+        self.expect(time.is_scale, "/time", "is no dimension scale")
+        self.expect(time.attrs.get("units") == file.attrs.get("unit_time"), "/time",
+                    "its units are not those of the file")
+        self.expect(time.attrs.get("axis") == "T", "/time", "attribute axis is not 'T'")
+        self.expect(np.all(np.diff(time[:]) >= 0), "/time", "decreases")
+        for name, item in file.items():
+            if isinstance(item, h5py.Dataset):
+                self.check_series(file, item, f"/{name}", ())
+
+    def check_links(self, group, prefix):
+        """Links, creation properties and types of everything below a group."""
+        for name in group:
+            path = f"{prefix}/{name}"
+            if not self.expect(type(group.get(name, getlink=True)) is h5py.HardLink, path,
+                               "is a soft or external link"):
+                continue
+            item = group[name]
+            plist = item.id.get_create_plist()
+            self.expect(plist.get_attr_creation_order() == ORDERED, path,
+                        "creation order of attributes is not tracked and indexed")
+            self.expect(not plist.get_obj_track_times(), path, "stores its times")
+            self.check_attributes(item, path)
+            if isinstance(item, h5py.Group):
+                self.expect(plist.get_link_creation_order() == ORDERED, path,
+                            "creation order of links is not tracked and indexed")
+                self.expect(len(item) > 0 or name == "run", path, "is empty")
+                self.check_links(item, path)
+            else:
+                self.check_type(item.dtype, item.id.get_type(), path)
+                self.expect(item.id.get_space().get_simple_extent_type() != h5py.h5s.NULL, path,
+                            "has a null dataspace")
+
+    def check_type(self, dtype, stored, path):
+        """Plain numbers and variable-length UTF-8 strings only."""
+        text = h5py.check_string_dtype(dtype)
+        if text is not None:
+            self.expect(text.length is None and text.encoding == "utf-8", path,
+                        "is a string that is not variable-length UTF-8")
+            return
+        plain = stored.get_class() in (h5py.h5t.INTEGER, h5py.h5t.FLOAT)
+        self.expect(plain, path, f"has the forbidden type {dtype}")
+
+    def check_attributes(self, item, path):
+        for name in item.attrs:
+            if name in OF_HDF5:
+                continue
+            attribute = item.attrs.get_id(name)
+            self.check_type(attribute.dtype, attribute.get_type(), f"{path}@{name}")
+            self.expect(attribute.get_space().get_simple_extent_type() != h5py.h5s.NULL,
+                        f"{path}@{name}", "has a null dataspace")
+
+    # ---- datasets
+
+    def labels(self, item):
+        """Names of the scales on each dimension."""
+        return tuple(dim[0].name.rsplit("/", 1)[1] if len(dim) else None for dim in item.dims)
+
+    def check_labels(self, item, path, wanted):
+        found = (item.name.rsplit("/", 1)[1],) if item.is_scale else self.labels(item)
+        return self.expect(found == wanted, path, f"dimensions are labelled {found}, not {wanted}")
+
+    def check_series(self, file, item, path, entity):
+        """A dataset over time: labels, length, chunks, filters, attributes."""
+        name = path.rsplit("/", 1)[1]
+        wanted = ("time", *entity)
+        if len(item.shape) > len(wanted):
+            wanted += ("quaternion" if name in QUATERNIONS else "axis",)
+        self.check_labels(item, path, wanted)
+        self.expect(item.shape[0] == file["time"].shape[0], path, "is not as long as time")
+        self.expect(item.maxshape[0] is None, path, "its first dimension is not unlimited")
+        self.expect(item.dtype == np.dtype(INTEGER_SERIES.get(name, "float64")), path,
+                    f"is of type {item.dtype}")
+        if self.expect(item.chunks is not None, path, "is not chunked"):
+            rows = item.chunks[0]
+            self.expect(rows & (rows - 1) == 0, path, f"chunks of {rows} rows, no power of two")
+            self.expect(np.prod(item.chunks) * item.dtype.itemsize <= MOST_CHUNK_BYTES, path,
+                        "chunks are larger than 256 KiB")
+            if entity:
+                self.expect(item.chunks[1] <= item.shape[1], path, "chunks are wider than the data")
+            self.expect(item.chunks[2:] == item.shape[2:], path, "chunks split the components")
+        self.expect(item.shuffle and item.compression == "gzip" and item.compression_opts == 1, path,
+                    "is not shuffled and deflated at level 1")
+        for attribute in ("units", "long_name", "channel_class", "sampled_at"):
+            self.expect(item.attrs.get(attribute), path, f"no attribute {attribute}")
+        self.expect(item.attrs.get("channel_class") in CLASSES, path, "unknown channel_class")
+        self.expect(item.attrs.get("sampled_at") in ("t", "t-dt/2", "t+dt"), path,
+                    "unknown sampled_at")
+        self.expect(item.attrs.get("frame", "global") in ("joint", "global"), path, "unknown frame")
+        if len(wanted) == 3:
+            self.expect("frame" in item.attrs, path, "a vector without attribute frame")
+        if name == "time_step_owner_kind":
+            self.expect(list(item.attrs.get("flag_values", [])) == [0, 1, 2, 3], path, "flag_values")
+            self.expect(item.attrs["flag_values"].dtype == item.dtype, path,
+                        "flag_values are of another type than the data")
+            self.expect(item.attrs.get("flag_meanings") == "none node body joint", path,
+                        "flag_meanings")
+
+    def check_entities(self, file, group, name):
+        entity, path = ENTITY[name], f"/{name}"
+        if not self.expect(entity in group and group[entity].is_scale, path, f"no scale {entity}"):
+            return
+        ids = group[entity]
+        self.expect(ids.dtype == np.dtype("int32"), f"{path}/{entity}", "is not of type int32")
+        self.expect(np.all(np.diff(ids[:]) > 0), f"{path}/{entity}", "user ids do not ascend")
+        self.expect("time" in group and group["time"] == file["time"], path,
+                    "time is no hard link to /time")
+        for scale, values in COMPONENTS.items():
+            if scale in group:
+                self.expect(list(group[scale].asstr()[:]) == values, f"{path}/{scale}",
+                            f"does not hold {values}")
+        self.expect(group.attrs.get("NX_class") == "NXdata", path, "NX_class is not NXdata")
+        signal = group.attrs.get("signal")
+        if self.expect(signal in group, path, "no signal"):
+            self.expect(tuple(group.attrs.get("axes", ())) == self.labels(group[signal]), path,
+                        "axes are not the dimensions of the signal")
+        coordinates = [text for text in ("label", "kind") if text in group]
+        for key, item in group.items():
+            here = f"{path}/{key}"
+            if key == "time" or item.is_scale:
+                self.expect(item.attrs.get("long_name"), here, "no attribute long_name")
+            elif item.maxshape[0] is None:
+                self.check_series(file, item, here, (entity,))
+                self.expect(item.attrs.get("coordinates", "") == " ".join(coordinates), here,
+                            f"coordinates are not {coordinates}")
+            else:
+                self.check_constant(item, here, entity)
+
+    def check_constant(self, item, path, entity):
+        name = path.rsplit("/", 1)[1]
+        self.check_labels(item, path, (entity, *CONSTANT_DIMS.get(name, ())))
+        self.expect(item.attrs.get("long_name"), path, "no attribute long_name")
+        if name in IDS:
+            self.expect(item.dtype == np.dtype("int32"), path, "is not of type int32")
+        if h5py.check_string_dtype(item.dtype) is None:
+            self.expect(item.attrs.get("units"), path, "no attribute units")
+
+    # ---- deck files and the run
+
+    def check_input(self, file):
+        for name, item in file.get("input", {}).items():
+            path = f"/input/{name}"
+            self.expect(item.shape == (), path, "is no scalar")
+            self.expect(len(item.attrs.get("sha256", "")) == 64, path, "no attribute sha256")
+            self.expect(item.attrs.get("role") in ("starter", "engine", "include"), path,
+                        "unknown role")
+            self.expect(len(item.asstr()[()]) > 0, path, "is empty")
+        if "input" in file:
+            self.expect(len(file.attrs.get("input_sha256", "")) == 64, "/", "no input_sha256")
+
+    def check_run(self, file):
+        if not self.expect("run" in file, "/run", "missing"):
+            return
+        run = file["run"]
+        self.expect(len(run) == 0, "/run", "holds more than attributes")
+        for name in ("version", "compiler", "compiler_options", "hdf5_version", "status"):
+            self.expect(name in run.attrs, "/run", f"no attribute {name}")
+        status = run.attrs.get("status", "")
+        known = status in ("RUNNING", "NORMAL TERMINATION", "STOPPED BY USER")
+        self.expect(known or status.startswith("ERROR"), "/run", f"unknown status {status!r}")
+        order = [name for name in run.attrs if name in VOLATILE_ORDER]
+        self.expect(order == [name for name in VOLATILE_ORDER if name in run.attrs], "/run",
+                    "attributes are not in the order of writing")
+
+    # ---- other readers
+
+    def check_xarray(self, engine):
+        import xarray
+        with h5py.File(self.path, "r") as file:
+            series = {name: {key: len(item.shape) for key, item in file[name].items()
+                             if isinstance(item, h5py.Dataset) and item.maxshape[:1] == (None,)}
+                      for name in ["/", *[name for name in ENTITY if name in file]]}
+        for name, shapes in series.items():
+            place = f"{name} in xarray ({engine})"
+            try:
+                with warnings.catch_warnings():
+                    warnings.filterwarnings("ignore", message="Duplicate dimension names")
+                    data = xarray.open_dataset(self.path, group=name, engine=engine)
+            except Exception as problem:        # any failure of a reader is a finding
+                self.say(place, repr(problem))
+                continue
+            with data:
+                self.expect(data["time"].dtype == np.dtype("float64"), place,
+                            f"time became {data['time'].dtype}")
+                for key, rank in shapes.items():
+                    wanted = ("time", ENTITY.get(name), "quaternion" if key in QUATERNIONS
+                              else "axis")[:rank]
+                    self.expect(data[key].dims == wanted, f"{place}, {key}",
+                                f"dimensions are {data[key].dims}, not {wanted}")
+                if name != "/":
+                    wanted = {"time", ENTITY[name], "axis", "label"} & set(data.variables)
+                    self.expect(wanted <= set(data.coords), place,
+                                f"{wanted - set(data.coords)} are no coordinates")
+                data.isel(time=slice(0, 2)).drop_vars("principal_axes", errors="ignore").load()
+
+    def check_command(self, *command):
+        if shutil.which(command[0]) is None:
+            self.say(command[0], "is not installed")
+            return ""
+        done = subprocess.run(command, capture_output=True, text=True)
+        self.expect(done.returncode == 0, " ".join(command),
+                    f"exit {done.returncode}: {done.stderr.strip()[:200]}")
+        return done.stdout
+
+
+def main(path):
+    checker = Checker(path)
+    checker.check_file()
+    for engine in ("h5netcdf", "netcdf4"):
+        checker.check_xarray(engine)
+    header = checker.check_command("ncdump", "-h", path)
+    checker.expect("phony" not in header, "ncdump -h", "shows dimensions without a scale")
+    checker.check_command("h5diff", path, path)
+    print("\n".join(checker.found) if checker.found else f"{path}: keeps the layout")
+    return 1 if checker.found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]) if len(sys.argv) == 2 else __doc__)
