@@ -5,6 +5,7 @@ submodule (kjoint) kjoint_impl
    use kj_deck, only: read_deck
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
+   use kj_legacy_check, only: warn_legacy, warn_large_turn
    use kj_joint_types, only: joint_types
    use kj_state, only: new_state
    use kj_step, only: find_accelerations, advance
@@ -29,7 +30,7 @@ contains
       else
          path = engine
          if (len(path) == 0) path = engine_path(starter)
-         call read_engine(path, controls, sim%engine_source, findings)
+         call read_engine(path, controls, sim%engine_source, findings, options%ignore_unsupported)
       end if
       if (findings%n_error > 0) return
       call build_model(sim%deck, controls, sim%model, findings)
@@ -40,6 +41,7 @@ contains
          if (options%dt_scale > 0.0_wp) c%dt_factor = options%dt_scale
          if (.not. c%t_stop >= 0.0_wp) call fail(error, ERR_INPUT, 'the end time is negative')
       end associate
+      call warn_legacy(sim%model, findings)
       call describe(sim)
    end procedure load_simulation
 
@@ -79,6 +81,8 @@ contains
          end do
       end associate
       call tell(sim, status)
+      if (sim%state%turn_body > 0) call warn_large_turn(sim%model, sqrt(sim%state%turn2), &
+         sim%state%turn_body, status%warnings)
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
       call monitor%tick(status, last)

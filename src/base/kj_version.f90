@@ -1,4 +1,4 @@
-!> The version of kjoint, once. CMakeLists.txt names the same one; a test compares them.
+!> The version of kjoint, once. CMakeLists.txt names the same one.
 module kj_version
    implicit none
    private

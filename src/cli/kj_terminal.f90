@@ -72,14 +72,16 @@ contains
    logical function may_overwrite(stream)
       integer, intent(in) :: stream              !! STDOUT or STDERR
 
-      may_overwrite = is_terminal(stream) .and. environment('TERM') /= 'dumb'
+      may_overwrite = is_terminal(stream)
+      if (environment('TERM') == 'dumb') may_overwrite = .false.
    end function may_overwrite
 
    !> Whether colours are welcome on a stream, see no-color.org
    logical function may_colour(stream)
       integer, intent(in) :: stream              !! STDOUT or STDERR
 
-      may_colour = may_overwrite(stream) .and. environment('NO_COLOR') == ''
+      may_colour = may_overwrite(stream)
+      if (environment('NO_COLOR') /= '') may_colour = .false.
    end function may_colour
 
    !> First 80 characters of a variable of the environment, empty when it is not set

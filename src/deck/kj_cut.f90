@@ -83,10 +83,7 @@ contains
          end if
          if (first(i) > next) then
             call take_item(text, at, a, b)
-            if (b >= a .and. cut%gap_last < cut%gap_first) then
-               cut%gap_first = a
-               cut%gap_last = b
-            end if
+            call note_text(text, a, b, cut%gap_first, cut%gap_last)
          end if
          call take_item(text, at, cut%first(i), cut%last(i))
          next = last(i) + 1
@@ -130,7 +127,8 @@ contains
       if (last < first) last = first - 1
    end subroutine shrink
 
-   !> Note the text in columns [a, b], unless there is none or some was noted before
+   !> Note the text in columns [a, b], unless there is none or some was noted before; zeros do
+   !> not count, for they mean the same as blanks
    pure subroutine note_text(text, a, b, first, last)
       character(len=*), intent(in) :: text
       integer, intent(in) :: a, b
@@ -141,6 +139,7 @@ contains
       if (last >= first) return
       call shrink(text, a, b, i, j)
       if (j < i) return
+      if (verify(text(i:j), ' 0,'//TAB) == 0) return
       first = i
       last = j
    end subroutine note_text

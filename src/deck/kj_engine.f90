@@ -225,10 +225,12 @@ contains
       logical, intent(out) :: second            !! it stood before
       type(finding_list_t), intent(inout) :: findings
 
+      character(len=5) :: element               ! the first five characters count
       real(wp) :: value(3)
 
       second = .false.
-      select case (words%word(2)(:5))
+      element = trim(words%word(2))
+      select case (element)
       case ('')
          second = engine%has_dt
          if (second) return
@@ -239,7 +241,7 @@ contains
       case ('NODA')
          second = engine%noda /= ''
          if (second) return
-         engine%noda = words%word(3)
+         engine%noda = trim(words%word(3))
          if (engine%noda == '') engine%noda = 'NODA'
          engine%noda_line = deck%line_number(header)
          select case (engine%noda)
@@ -302,7 +304,7 @@ contains
 
       integer :: version
 
-      if (words%word(2)(:5) /= 'VERS') return
+      if (words%word(2) /= 'VERS') return
       version = word_integer(deck, header, words, 3, 0, findings)
       if (version < 40) call add_deck_finding(deck, header, 1, header_end(deck, header), SEV_ERROR, &
          'KJ-E198', 'version '//str(version)//' of the T01 file does not exist', &

@@ -2,7 +2,8 @@
 module kj_engine_text
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, str
-   use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_NOT_FINITE
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_TEXT, &
+      NUMBER_NOT_FINITE
    use kj_deck_data, only: deck_t, source_t, add_deck_finding, line_text, header_end
    use kj_source, only: load_source, next_line, add_file_finding
    implicit none
@@ -202,7 +203,7 @@ contains
       end if
       value = 0.0_wp
       if (status == NUMBER_FINE .and. times > 0) call parse_real(text(first:b), value, status)
-      if (times < 1) status = NUMBER_FINE + 1 + NUMBER_BLANK
+      if (times < 1) status = NUMBER_TEXT
       if (status == NUMBER_FINE .or. status == NUMBER_BLANK) return
       if (status == NUMBER_NOT_FINITE) then
          call add_deck_finding(deck, line, a, b, SEV_ERROR, 'KJ-9005', &

@@ -112,7 +112,8 @@ contains
 
       do i = 1, size(channels)
          do j = 1, i
-            if (channels(j)%class == channels(i)%class .and. channels(j)%dim == channels(i)%dim) exit
+            if (channels(j)%class /= channels(i)%class) cycle
+            if (channels(j)%dim == channels(i)%dim) exit
          end do
          like(i) = j
       end do

@@ -196,9 +196,10 @@ contains
       type(buffer_t) :: b
       integer :: i
 
-      call add(b, '{"verdict": '//quoted(trim(merge('SAME     ', 'DIFFERENT', result%code == 0)))// &
-         ', "summary": '//quoted(verdict(result))//','//NL)
-      call add(b, ' "ref": '//quoted(result%ref_path)//', "run": '//quoted(result%run_path)//','//NL)
+      call add(b, '{"verdict": "'//trim(merge('SAME     ', 'DIFFERENT', result%code == 0))// &
+         '", "summary": '//quoted(verdict(result))//','//NL)
+      call add(b, ' "ref": '//quoted(result%ref_path)//', "run": '//quoted(result%run_path))
+      call add(b, ','//NL)
       call add(b, ' "profile": '//quoted(trim(result%profile%name))//', "rtol": '// &
          number(result%profile%rtol)//', "bitwise": '//boolean(result%profile%bitwise)//','//NL)
       call add(b, ' "samples_ref": '//str(result%n_ref)//', "samples_run": '//str(result%n_run)// &

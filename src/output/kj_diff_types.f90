@@ -10,6 +10,7 @@ module kj_diff_types
    public :: diff_options_t, diff_result_t, channel_result_t, class_result_t, profile_t
    public :: find_profile, set_window, is_quaternion
 
+   !> A name for a tolerance
    type :: profile_t
       character(len=8) :: name
       real(wp) :: rtol           !! tolerance, of the peak in REF
@@ -25,8 +26,9 @@ module kj_diff_types
 
    integer, parameter, public :: N_WORST = 10
 
+   !> What is asked
    type :: diff_options_t
-      character(len=8) :: profile = ''          !! '' = parity with a T01 on a side, else platform
+      character(len=20) :: profile = ''         !! '' = parity with a T01 on a side, else platform
       real(wp) :: rtol = -1.0_wp                !! in place of that of the profile when not negative
       real(wp) :: atol = 0.0_wp                 !! added to every tolerance, in units of REF
       logical :: interpolate = .false.          !! RUN linearly on the times of REF
@@ -57,12 +59,14 @@ module kj_diff_types
       real(wp), allocatable :: metric(:, :)     !! (size(metrics), n_comp) when metrics are wanted
    end type channel_result_t
 
+   !> All channels of one class together
    type :: class_result_t
       character(len=20) :: name = ''
       integer :: n_channel = 0, n_different = 0
       integer :: worst = 0                      !! place in diff_result_t%channel
    end type class_result_t
 
+   !> What is answered
    type :: diff_result_t
       integer :: code = 0                       !! 0 same, 1 different
       character(len=:), allocatable :: ref_path, run_path

@@ -37,7 +37,7 @@ module kj_diff_walk
       real(wp) :: t = 0.0_wp
       real(wp), allocatable :: x(:), y(:)
       integer :: n_pair = 0
-      integer :: n_ref_alone = 0, n_run_alone = 0   !! rows without a partner, final ones not counted
+      integer :: n_ref_alone = 0, n_run_alone = 0   !! without a partner, final rows apart
       real(wp) :: alone_at = 0.0_wp                 !! time of the first
       real(wp), allocatable, private :: before(:)   !! row of RUN before its present one
       logical, private :: has_before = .false.
@@ -137,6 +137,7 @@ contains
       if (is_final) is_final = cursor%rows(cursor%final_at, cursor%at) > 0.5_wp
    end function is_final
 
+   !> Close; nothing happens when it is not open
    subroutine close_cursor(cursor)
       type(cursor_t), intent(inout) :: cursor
 

@@ -18,6 +18,7 @@ module kj_diff_words
 
 contains
 
+   !> Append a text
    subroutine add(b, text)
       type(buffer_t), intent(inout) :: b
       character(len=*), intent(in) :: text
@@ -78,6 +79,7 @@ contains
       if (text(len(text):) == '.') text = text(:len(text) - 1)
    end function short_time
 
+   !> true or false, of JSON
    pure function boolean(value) result(text)
       logical, intent(in) :: value
       character(len=:), allocatable :: text
@@ -86,6 +88,7 @@ contains
       if (value) text = 'true'
    end function boolean
 
+   !> A comma after all but the last of n
    pure function comma(i, n) result(text)
       integer, intent(in) :: i, n
       character(len=:), allocatable :: text
@@ -129,6 +132,7 @@ contains
       json = json//'"'
    end function quoted
 
+   !> An array of strings of JSON
    function text_array(list) result(json)
       type(text_t), intent(in) :: list(:)
       character(len=:), allocatable :: json

@@ -8,12 +8,11 @@
 !> Errors: ERR_FILE, naming what could not be done.
 module kj_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
-   use hdf5, only: hid_t, hsize_t, h5open_f, h5dont_atexit_f, h5eset_auto_f, &
-      h5get_libversion_f, h5fcreate_f, h5fopen_f, h5fclose_f, h5fflush_f, h5gcreate_f, h5oclose_f, h5lcreate_hard_f, h5lexists_f, &
-      h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, h5screate_f, &
+   use hdf5, only: hid_t, hsize_t, h5open_f, h5dont_atexit_f, h5eset_auto_f, h5get_libversion_f, &
+      h5fcreate_f, h5fopen_f, h5fclose_f, h5fflush_f, h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
+      h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, h5screate_f, &
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
-      h5pclose_f, &
-      h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
+      h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
       h5pset_attr_creation_order_f, h5pset_obj_track_times_f, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, &
       H5F_CLOSE_STRONG_F, H5F_LIBVER_EARLIEST_F, H5F_LIBVER_V18_F, H5F_SCOPE_GLOBAL_F, &
       H5P_FILE_CREATE_F, H5P_FILE_ACCESS_F, H5P_GROUP_CREATE_F, H5P_CRT_ORDER_TRACKED_F, &

@@ -15,6 +15,7 @@ module kj_iso18571
 
    integer, parameter, public :: ISO_SHORTEST = 9     !! samples that a rating needs
 
+   !> The four ratings and their weighted sum
    type :: iso18571_t
       real(wp) :: corridor = 0.0_wp, phase = 0.0_wp, magnitude = 0.0_wp, slope = 0.0_wp
       real(wp) :: overall = 0.0_wp

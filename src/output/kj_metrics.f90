@@ -12,6 +12,7 @@ module kj_metrics
    integer, parameter, public :: M_MAX = 1, M_NRMSE = 2, M_PEARSON = 3, M_SG_M = 4, M_SG_P = 5, &
       M_SG_C = 6, M_ISO_Z = 7, M_ISO_P = 8, M_ISO_M = 9, M_ISO_S = 10, M_ISO = 11
 
+   !> One column of the results
    type :: metric_t
       character(len=14) :: option      !! name on the command line
       character(len=10) :: column      !! name of the number

@@ -219,7 +219,8 @@ contains
    end subroutine take_name
 
    !> Write the rest and the outcome and close the file, whatever fails on the way. A run that
-   !> failed before its first row, or whose first flush failed, leaves no file. Errors: ERR_FILE, the first
+   !> failed before its first row, or whose first flush failed, leaves no file.
+   !> Errors: ERR_FILE, the first
    subroutine close_h5(self, status, cycles, exit_code, error)
       class(sink_h5_t), intent(inout) :: self
       character(len=*), intent(in) :: status

@@ -18,6 +18,7 @@ module kj_t01_file
    integer, parameter :: CHUNK = 65536
    integer, parameter :: FIRST_TEXT = 80           !! characters of the deck title, record 1
 
+   !> An open file
    type :: t01_file_t
       type(byte_file_t) :: bytes
       character(len=:), allocatable :: path
@@ -185,7 +186,7 @@ contains
       if (n < MARK) then
          call broken(file, 'it ends inside its header', error)
       else if (length /= expected .or. length < 0) then
-         call broken(file, 'a record has '//str(length)//' bytes where its header wants other', error)
+         call broken(file, 'a record of '//str(length)//' bytes is not as announced', error)
       else
          call read_marked(file, length, bytes, error)
       end if
@@ -312,6 +313,7 @@ contains
       call seek_bytes(file%bytes, 0_int64, ok)
    end subroutine rewind
 
+   !> Close; nothing happens when it is not open
    subroutine close_t01_file(file)
       type(t01_file_t), intent(inout) :: file
 

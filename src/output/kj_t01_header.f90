@@ -17,6 +17,7 @@ module kj_t01_header
       integer, allocatable :: code(:)            !! codes of the variables
    end type t01_group_t
 
+   !> What stands before the rows
    type :: t01_header_t
       character(len=:), allocatable :: title     !! of the deck
       character(len=:), allocatable :: origin    !! date, program and machine

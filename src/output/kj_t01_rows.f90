@@ -13,6 +13,7 @@ module kj_t01_rows
 
    integer, parameter :: BLOCK = 2**20      !! bytes of rows in memory at a time, about
 
+   !> Where the rows are and what they look like
    type :: t01_rows_t
       integer, allocatable :: n_real(:)     !! reals of each record of a row, no empty records
       integer :: n_row = 0                  !! complete rows
@@ -50,7 +51,8 @@ contains
          call count_rows(file, rows, error)
       end if
       call seek_bytes(file%bytes, rows%first_byte, ok)
-      if (.not. ok .and. .not. allocated(error)) call broken(file, 'its rows cannot be reached', error)
+      if (.not. ok .and. .not. allocated(error)) &
+         call broken(file, 'its rows cannot be reached', error)
    end subroutine find_t01_rows
 
    !> Lengths of the records in the first row as far as the file goes

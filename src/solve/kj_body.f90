@@ -152,7 +152,7 @@ contains
       integer, intent(in) :: lo, hi
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: w(3), v(3), r(3), u(3)
+      real(wp) :: w(3), v(3), r(3), u(3), turn2
       integer :: b, i
       logical :: few
 
@@ -167,8 +167,12 @@ contains
             state%d(i, :) = state%d(i, :) + state%h2*u
             state%world%x(i, :) = state%world%x(i, :) + state%h2*u
          end do
-         if (few) cycle
-         if (state%h2**2*sum(state%world%w(b, :)**2) > 1.0_wp) then
+         turn2 = state%h2**2*sum(state%world%w(b, :)**2)
+         if (turn2 > state%turn2) then
+            state%turn2 = turn2
+            state%turn_body = b
+         end if
+         if (turn2 > 1.0_wp .and. .not. few) then
             call fail(error, ERR_RUN, 'body '//str(model%body_id(b))//' turns by more than 1 rad in a step')
             return
          end if

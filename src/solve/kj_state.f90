@@ -24,6 +24,8 @@ module kj_state
       real(wp) :: h_old = 0.0_wp                          !! memory of the growth limit
       integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: lead index
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
+      real(wp) :: turn2 = 0.0_wp                          !! largest square of a turn in a step so far
+      integer :: turn_body = 0                            !! the body that made it
       ! nodes and leads
       type(world_t) :: world                               !! x, w, skew axes
       real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3)
