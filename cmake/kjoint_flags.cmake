@@ -4,15 +4,15 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Release or Debug" FORCE)
 endif()
 
-# gfortran 12 calls the descriptors of allocatable arrays uninitialized when it optimizes, wrongly;
-# so that warning stands in Debug alone.
+# gfortran 12 wrongly calls the descriptor of an allocatable array uninitialized when a function
+# result is assigned to it, so that warning is off.
 # Each `a*b + c` is rounded twice (-ffp-contract=off): same deck, same bits, with any -march.
 function(kjoint_fortran target)
   if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:Fortran>:
       -std=f2008 -ffp-contract=off
       -Wall -Wextra -pedantic -Wimplicit-interface -Wconversion
-      $<$<NOT:$<CONFIG:Debug>>:-Wno-uninitialized -Wno-maybe-uninitialized>
+      -Wno-uninitialized -Wno-maybe-uninitialized
       $<$<BOOL:${KJOINT_WERROR}>:-Werror>>)
   endif()
   if(KJOINT_MARCH)

@@ -20,8 +20,8 @@ MAY_HOLD_VARIABLES = {"kj_signal"}                # the flag that a signal handl
 I = re.IGNORECASE
 TEXTS = re.compile(r"'(?:[^']|'')*'|\"(?:[^\"]|\"\")*\"")
 USE = re.compile(r"^\s*use(?:\s+|\s*,\s*(?:non_)?intrinsic\s*::\s*|\s*::\s*)(\w+)\s*((?:[,!].*)?)$", I)
-TALK = re.compile(r"^\s*(if\s*\(.*\)\s*)?(print\b|write\s*\(\s*\*|write\s*\(\s*(output|error)_unit"
-                  r"|(error\s+)?stop\b)", I)
+TALK = re.compile(r"^\s*(if\s*\(.*\)\s*)?(print\b(?!\s*[=%(])|write\s*\(\s*\*"
+                  r"|write\s*\(\s*(output|error)_unit|(error\s+)?stop\b(?!\s*[=%(]))", I)
 ASKS = re.compile(r"\bget_(environment_variable|command)\w*", I)
 BANNED = re.compile(r"^\s*(if\s*\(.*\)\s*)?(goto\b|go\s+to\b|include\s*'|entry\s+\w|common\s*/"
                     r"|forall\b|final\s*::|save\b)", I)

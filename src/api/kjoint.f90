@@ -7,6 +7,8 @@ module kjoint
    use kj_deck, only: deck_t, source_t
    use kj_model, only: model_t
    use kj_state, only: state_t
+   use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_advance, only: march_t
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
@@ -18,12 +20,15 @@ module kjoint
    public :: run_options_t, run_status_t, simulation_t, monitor_t
    public :: load_simulation, run_simulation, simulation_title, default_output
 
-   !> What a run may be told
+   !> What a run may be told; '' and 0 stand for the defaults
    type :: run_options_t
+      character(len=12) :: formulation = ''  !! consistent (default) or legacy
+      character(len=12) :: integrator = ''   !! split2 (default of consistent) or legacy
+      character(len=12) :: dt_rule = ''      !! safe (default of consistent) or nodal
       real(wp) :: until = -1.0_wp            !! end of the run, time; negative: /RUN
       real(wp) :: sample = -1.0_wp           !! sample interval, time; negative: /TFILE
       real(wp) :: dt_scale = 0.0_wp          !! factor on the critical step; 0: that of the deck
-      real(wp) :: energy_limit = -1.0_wp     !! largest energy error in percent; negative: off
+      real(wp) :: energy_limit = -1.0_wp     !! largest energy error in percent; negative: 15, off under legacy
       logical :: ignore_unsupported = .false.   !! unsupported keywords become warnings
    end type run_options_t
 
@@ -31,7 +36,7 @@ module kjoint
    type :: run_status_t
       integer :: cycle = 0
       real(wp) :: time = 0.0_wp, t_stop = 0.0_wp, time_step = 0.0_wp
-      character(len=8) :: owner_kind = 'none'   !! what limits the step: none, node, body
+      character(len=8) :: owner_kind = 'none'   !! what limits the step: none, node, body, joint
       integer :: owner = 0                      !! its user id
       real(wp) :: energy_error = 0.0_wp         !! fraction, of the last sample
       real(wp) :: kinetic = 0.0_wp, internal = 0.0_wp, work = 0.0_wp   !! energies of the last sample
@@ -49,7 +54,11 @@ module kjoint
       type(deck_t) :: deck
       type(source_t) :: engine_source
       type(model_t) :: model
-      type(state_t) :: state
+      type(state_t) :: state                    !! legacy: the state; consistent: what samples read
+      logical :: legacy = .false.
+      type(c_model_t) :: c_model                !! consistent formulation
+      type(c_state_t) :: c_state
+      type(march_t) :: march
       type(history_t) :: history
       type(sampler_t) :: sampler
       character(len=:), allocatable :: root     !! name of the deck without _0000.rad

@@ -1,5 +1,6 @@
 !> Bodies of the public module.
 submodule (kjoint) kjoint_impl
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_error, only: fail, str
    use kj_system, only: wall_clock
    use kj_deck, only: read_deck
@@ -7,14 +8,18 @@ submodule (kjoint) kjoint_impl
    use kj_build, only: build_model
    use kj_legacy_check, only: warn_legacy, warn_large_turn
    use kj_joint_types, only: joint_types
-   use kj_state, only: new_state
+   use kj_state, only: new_state, OWNER_JOINT
    use kj_step, only: find_accelerations, advance
    use kj_energy, only: balance_t, balance_of
    use kj_sample, only: new_sampler, sample_row
+   use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
+   use kj_c_build, only: build_c_model, new_c_state
+   use kj_c_advance, only: start_march, march, balance_ledger
+   use kj_c_publish, only: publish
    implicit none
 
    integer, parameter :: TICK_WORK = 20000      !! joint-cycles between two looks of the monitor
-   character(len=8), parameter :: OWNER_NAME(0:2) = ['none    ', 'node    ', 'body    ']
+   character(len=8), parameter :: OWNER_NAME(0:3) = ['none    ', 'node    ', 'body    ', 'joint   ']
 
 contains
 
@@ -24,6 +29,8 @@ contains
 
       sim%options = options
       sim%root = root_of(starter)
+      call check_options(sim, error)
+      if (allocated(error)) return
       call read_deck(starter, sim%deck, findings, options%ignore_unsupported)
       if (options%until > 0.0_wp .and. len(engine) == 0) then
          controls%t_stop = options%until
@@ -40,55 +47,172 @@ contains
          if (options%sample >= 0.0_wp) c%sample = options%sample
          if (options%dt_scale > 0.0_wp) c%dt_factor = options%dt_scale
          if (.not. c%t_stop >= 0.0_wp) call fail(error, ERR_INPUT, 'the end time is negative')
+         if (.not. sim%legacy .and. (c%below_min == SCALE_MASS .or. c%below_min == SCALE_MASS_NEXT)) &
+            call fail(error, ERR_INPUT, '/DT/NODA/CST adds mass: only the legacy formulation does that')
       end associate
-      call warn_legacy(sim%model, findings)
+      if (allocated(error)) return
+      if (sim%legacy) call warn_legacy(sim%model, findings)
       call describe(sim)
    end procedure load_simulation
 
-   module procedure run_simulation
-      real(wp), allocatable :: row(:)
-      real(wp) :: t_next, clock
-      type(error_t), allocatable :: ignored
-      logical :: due, last, stop
-      integer :: every
+   !> Formulation, integrator and time-step rule must go together
+   subroutine check_options(sim, error)
+      type(simulation_t), intent(inout) :: sim
+      type(error_t), allocatable, intent(out) :: error
 
-      allocate (row(sim%history%n_value))
+      associate (o => sim%options)
+         if (len_trim(o%formulation) == 0) o%formulation = 'consistent'
+         sim%legacy = o%formulation == 'legacy'
+         if (len_trim(o%integrator) == 0) o%integrator = merge('legacy', 'split2', sim%legacy)
+         if (len_trim(o%dt_rule) == 0) o%dt_rule = merge('nodal', 'safe ', sim%legacy)
+         if (o%energy_limit < 0.0_wp .and. .not. sim%legacy) o%energy_limit = 15.0_wp
+         if (all(o%formulation /= ['consistent', 'legacy    '])) then
+            call fail(error, ERR_INPUT, 'there is no formulation '//trim(o%formulation)// &
+               ': consistent or legacy')
+         else if (all(o%dt_rule /= ['nodal', 'safe '])) then
+            call fail(error, ERR_INPUT, 'there is no time-step rule '//trim(o%dt_rule)//': safe or nodal')
+         else if (all(o%integrator /= ['split2', 'legacy'])) then
+            call fail(error, ERR_INPUT, 'there is no integrator '//trim(o%integrator)//': split2 or legacy')
+         else if (sim%legacy .neqv. o%integrator == 'legacy') then
+            call fail(error, ERR_INPUT, 'the formulation '//trim(o%formulation)// &
+               ' does not go with the integrator '//trim(o%integrator))
+         else if (sim%legacy .and. o%dt_rule /= 'nodal') then
+            call fail(error, ERR_INPUT, 'the legacy formulation goes with the nodal rule only')
+         end if
+      end associate
+   end subroutine check_options
+
+   module procedure run_simulation
+      type(error_t), allocatable :: sink_error
+      real(wp) :: clock
+      logical :: stop, ignored
+
       call new_state(sim%model, sim%state)
       call sink%open(sim%history, error)
       if (allocated(error)) return
-      every = max(1, TICK_WORK/max(1, sim%model%n_joint + sim%model%n_body))
-      t_next = 0.0_wp
-      stop = .false.
       clock = wall_clock()
-      associate (state => sim%state, control => sim%model%control)
-         do
-            due = state%time >= t_next
-            last = state%time + 1.2_wp*state%h2 > control%t_stop .or. stop
-            call find_accelerations(sim%model, state, due .or. last, error)
-            if (allocated(error)) exit
-            if (state%cycle == 0) call start_energy(sim)
-            last = state%time + state%h2 > control%t_stop .or. stop .or. state%ended
-            if (due .or. last) then
-               call add_row(sim, sink, .not. due, row, clock, status, error)
-               t_next = min(control%t_stop, max(state%time, t_next + control%sample))
-            end if
-            if (allocated(error)) exit
-            call advance(sim%model, state, error)
-            if (last .or. allocated(error)) exit
-            if (modulo(state%cycle, every) > 0) cycle
-            call tell(sim, status)
-            call monitor%tick(status, stop)
-         end do
-      end associate
+      if (sim%legacy) then
+         call run_legacy(sim, sink, monitor, status, clock, stop, error)
+      else
+         call run_consistent(sim, sink, monitor, status, clock, stop, error)
+      end if
       call tell(sim, status)
       if (sim%state%turn_body > 0) call warn_large_turn(sim%model, sqrt(sim%state%turn2), &
          sim%state%turn_body, status%warnings)
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
-      call monitor%tick(status, last)
-      call end_history(sink, stop, status%cycle, error, ignored)
+      call monitor%tick(status, ignored)
+      call end_history(sink, stop, status%cycle, error, sink_error)
       status%wall_output = status%wall_output + wall_clock() - clock
    end procedure run_simulation
+
+   !> Cycles between two looks of the monitor
+   pure integer function tick_cycles(model) result(n)
+      type(model_t), intent(in) :: model
+
+      n = max(1, TICK_WORK/max(1, model%n_joint + model%n_body))
+   end function tick_cycles
+
+   !> The legacy march: cycles while t <= Tstop, samples at cycles
+   subroutine run_legacy(sim, sink, monitor, status, clock, stop, error)
+      type(simulation_t), intent(inout) :: sim
+      class(sink_t), intent(inout) :: sink
+      class(monitor_t), intent(inout) :: monitor
+      type(run_status_t), intent(inout) :: status
+      real(wp), intent(inout) :: clock
+      logical, intent(out) :: stop               !! the monitor ended the run
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: t_next
+      logical :: due, last
+
+      t_next = 0.0_wp
+      stop = .false.
+      associate (state => sim%state, control => sim%model%control)
+         do
+            due = state%time >= t_next
+            last = state%time + 1.2_wp*state%h2 > control%t_stop .or. stop
+            call find_accelerations(sim%model, state, due .or. last, error)
+            if (allocated(error)) return
+            if (state%cycle == 0) call start_energy(sim)
+            last = state%time + state%h2 > control%t_stop .or. stop .or. state%ended
+            if (due .or. last) then
+               call add_row(sim, sink, .not. due, clock, status, error)
+               t_next = min(control%t_stop, max(state%time, t_next + control%sample))
+            end if
+            if (allocated(error)) return
+            call advance(sim%model, state, error)
+            if (last .or. allocated(error)) return
+            if (modulo(state%cycle, tick_cycles(sim%model)) > 0) cycle
+            call tell(sim, status)
+            call monitor%tick(status, stop)
+         end do
+      end associate
+   end subroutine run_legacy
+
+   !> The consistent march: each sample interval in equal steps, the end at Tstop
+   subroutine run_consistent(sim, sink, monitor, status, clock, stop, error)
+      type(simulation_t), intent(inout) :: sim
+      class(sink_t), intent(inout) :: sink
+      class(monitor_t), intent(inout) :: monitor
+      type(run_status_t), intent(inout) :: status
+      real(wp), intent(inout) :: clock
+      logical, intent(out) :: stop
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: t_end
+      integer :: sample
+      logical :: arrived
+
+      stop = .false.
+      sample = 0
+      call start_consistent(sim)
+      call add_row(sim, sink, .false., clock, status, error)
+      associate (cs => sim%c_state, control => sim%model%control)
+         do while (cs%time < control%t_stop .and. .not. allocated(error))
+            sample = sample + 1
+            t_end = min(control%t_stop, sample*control%sample)
+            if (control%sample <= 0.0_wp) t_end = min(control%t_stop, cs%time + sim%march%limit)
+            if (control%t_stop - t_end < 1.0e-9_wp*control%sample) t_end = control%t_stop
+            arrived = .false.
+            do while (.not. (arrived .or. stop))
+               call march(sim%model, sim%c_model, t_end, tick_cycles(sim%model), sim%march, cs, arrived)
+               call check_finite(cs, error)
+               if (allocated(error)) return
+               sim%state%cycle = cs%cycle
+               sim%state%time = cs%time
+               sim%state%h2 = cs%h
+               call tell(sim, status)
+               call monitor%tick(status, stop)
+            end do
+            call add_row(sim, sink, .not. arrived .or. &
+               (t_end < sample*control%sample*(1.0_wp - 1.0e-9_wp) .and. control%sample > 0.0_wp), &
+               clock, status, error)
+            if (stop) return
+         end do
+      end associate
+   end subroutine run_consistent
+
+   !> Constants, first state, limits and ledger of the consistent formulation
+   subroutine start_consistent(sim)
+      type(simulation_t), intent(inout) :: sim
+
+      call build_c_model(sim%model, sim%c_model)
+      call new_c_state(sim%model, sim%c_model, sim%c_state)
+      sim%march%nodal = sim%options%dt_rule == 'nodal'
+      sim%march%factor = sim%model%control%dt_factor
+      sim%march%most = sim%model%control%dt_max
+      call start_march(sim%model, sim%c_model, sim%c_state, sim%march)
+      if (.not. allocated(sim%state%ortho)) allocate (sim%state%ortho(sim%model%n_joint), source=0.0_wp)
+   end subroutine start_consistent
+
+   subroutine check_finite(state, error)
+      type(c_state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      if (all(ieee_is_finite(state%v)) .and. all(ieee_is_finite(state%l))) return
+      call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '//str(state%cycle))
+   end subroutine check_finite
 
    module procedure simulation_title
       title = sim%model%title
@@ -117,19 +241,22 @@ contains
    end subroutine end_history
 
    !> Sample the state into the sink; watches the energy limit
-   subroutine add_row(sim, sink, final, row, clock, status, error)
+   subroutine add_row(sim, sink, final, clock, status, error)
       type(simulation_t), intent(inout) :: sim
       class(sink_t), intent(inout) :: sink
       logical, intent(in) :: final
-      real(wp), intent(inout) :: row(:)
       real(wp), intent(inout) :: clock           !! when the solver last had the processor
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: now
+      real(wp) :: now, row(sim%history%n_value)
 
       now = wall_clock()
       status%wall_solve = status%wall_solve + now - clock
+      if (.not. sim%legacy) then
+         call balance_ledger(sim%model, sim%c_model, sim%c_state)
+         call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
+      end if
       call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
       if (.not. allocated(error)) call sink%put(row, error)
       clock = wall_clock()
@@ -164,8 +291,13 @@ contains
       status%owner_kind = OWNER_NAME(sim%state%owner_kind)
       status%owner = 0
       if (sim%state%owner_kind > 0) then
-         status%owner = sim%model%node_id(sim%state%owner)
-         if (sim%state%owner <= sim%model%n_body) status%owner = sim%model%body_id(sim%state%owner)
+         if (sim%state%owner_kind == OWNER_JOINT) then
+            status%owner = sim%model%joint(sim%state%owner)%id
+         else if (sim%state%owner <= sim%model%n_body) then
+            status%owner = sim%model%body_id(sim%state%owner)
+         else
+            status%owner = sim%model%node_id(sim%state%owner)
+         end if
       end if
       associate (b => sim%sampler%balance)
          status%kinetic = b%kinetic_trans + b%kinetic_rot
@@ -187,6 +319,7 @@ contains
 
       associate (h => sim%history, m => sim%model)
          h%title = m%title
+         h%legacy = sim%legacy
          h%units = m%units
          n = size(m%th_joint)
          h%joint_id = m%joint(m%th_joint)%id

@@ -4,7 +4,7 @@ module kj_curve
    implicit none
    private
 
-   public :: curve_set_t, law_value, load_value, curve_integral, add_curve
+   public :: curve_set_t, law_value, load_value, curve_integral, curve_moment, add_curve
 
    !> Curve c has the points first(c) .. first(c + 1) - 1, abscissae ascending
    type :: curve_set_t
@@ -110,5 +110,30 @@ contains
       end do
       if (b < a) area = -area
    end function curve_integral
+
+   !> Exact integral of (b - s) f(s) over s from a to b: f integrated twice; a <= b
+   pure real(wp) function curve_moment(set, c, a, b) result(area)
+      type(curve_set_t), intent(in) :: set
+      integer, intent(in) :: c
+      real(wp), intent(in) :: a, b
+
+      real(wp) :: from, to, y1, y2, slope, h
+      integer :: i, last
+
+      area = 0.0_wp
+      from = a
+      last = set%first(c + 1) - 1
+      do i = set%first(c) + 1, last
+         to = min(set%x(i), b)
+         if (i == last) to = b
+         if (to <= from) cycle
+         slope = (set%y(i) - set%y(i - 1))/(set%x(i) - set%x(i - 1))
+         y1 = set%y(i - 1) + slope*(from - set%x(i - 1))
+         y2 = set%y(i - 1) + slope*(to - set%x(i - 1))
+         h = to - from
+         area = area + (b - to)*0.5_wp*h*(y1 + y2) + h**2*(2.0_wp*y1 + y2)/6.0_wp
+         from = to
+      end do
+   end function curve_moment
 
 end module kj_curve

@@ -5,7 +5,7 @@ module kj_lapack
    implicit none
    private
 
-   public :: principal_axes, solve_dense
+   public :: principal_axes, solve_dense, largest_eigenvalue
 
    interface
       subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
@@ -68,5 +68,19 @@ contains
       ok = info == 0
       if (ok) x = b(:, 1)
    end subroutine solve_dense
+
+   !> Largest eigenvalue of a symmetric matrix; a is destroyed. Negative when LAPACK fails.
+   subroutine largest_eigenvalue(n, a, value)
+      integer, intent(in) :: n
+      real(wp), intent(inout) :: a(n, n)
+      real(wp), intent(out) :: value
+
+      real(wp) :: w(n), work(34*n)
+      integer :: info
+
+      call dsyev('N', 'U', n, a, n, w, work, size(work), info)
+      value = w(n)
+      if (info /= 0) value = -1.0_wp
+   end subroutine largest_eigenvalue
 
 end module kj_lapack

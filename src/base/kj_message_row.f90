@@ -5,6 +5,7 @@ module kj_message_row
 
    public :: message_t
 
+   !> A message explained
    type :: message_t
       character(len=7)   :: id         !! KJ-nnnn, KJ-Ennn: of OpenRadioss; KJ-9nnn: ours
       integer            :: severity   !! SEV_ constant, the usual one

@@ -2,12 +2,15 @@
 module kj_help
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_version, only: KJOINT_VERSION
+   use kj_message, only: messages, find_message
    use kj_option, only: commands, options, has_option, did_you_mean
    use kj_terminal, only: print_line
    implicit none
    private
 
    public :: print_help, print_help_on
+
+   integer, parameter :: WIDTH = 90              !! of paragraphs
 
 contains
 
@@ -50,8 +53,7 @@ contains
          end if
          return
       end do
-      call fail(error, ERR_INPUT, 'there is no command "'//topic//'"')
-      error%hint = did_you_mean(topic, commands%name)
+      call print_message(topic, error)
    end subroutine print_help_on
 
    subroutine print_options(command)
@@ -82,5 +84,46 @@ contains
       end if
       call print_line('   '//column//trim(meaning))
    end subroutine print_row
+
+   !> What a message means, why it comes and what to do
+   subroutine print_message(topic, error)
+      character(len=*), intent(in) :: topic
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: row
+
+      row = find_message(topic)
+      if (row == 0) then
+         call fail(error, ERR_INPUT, 'there is no command and no message "'//topic//'"')
+         error%hint = did_you_mean(topic, commands%name)
+         return
+      end if
+      call print_line(trim(messages(row)%id)//': '//trim(messages(row)%title))
+      call print_line('')
+      call print_wrapped('   cause: ', trim(messages(row)%cause))
+      call print_wrapped('   cure:  ', trim(messages(row)%cure))
+   end subroutine print_message
+
+   !> A paragraph in lines of at most WIDTH characters, all but the first behind blanks
+   subroutine print_wrapped(head, text)
+      character(len=*), intent(in) :: head, text
+
+      character(len=len(head)) :: margin
+      integer :: first, last
+
+      margin = head
+      first = 1
+      do while (first <= len(text))
+         last = len(text)
+         if (last - first + 1 > WIDTH - len(head)) then
+            last = first + index(text(first:first + WIDTH - len(head)), ' ', back=.true.) - 2
+            if (last < first) last = first + WIDTH - len(head) - 1      ! a word of that length
+         end if
+         call print_line(margin//text(first:last))
+         margin = ''
+         first = last + 1
+         if (first <= len(text)) first = first + verify(text(first:), ' ') - 1
+      end do
+   end subroutine print_wrapped
 
 end module kj_help

@@ -135,7 +135,7 @@ contains
          args%operand(1) = words(1)
          return
       end if
-      only_operands = .false.
+      only_operands = args%command == CMD_HELP       ! of `help --version`, say
       i = 2
       do while (i <= size(words))
          if (words(i)%s == '--' .and. .not. only_operands) then

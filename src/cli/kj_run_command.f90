@@ -46,8 +46,11 @@ contains
       call watch_signals()
       call take_options(args, options, error)
       if (.not. allocated(error)) then
-         engine = ''
+         engine = default_engine(args%operand(1)%s)
          if (args%n_operand == 2) engine = args%operand(2)%s
+         if (engine == '') call check_end(args, error)
+      end if
+      if (.not. allocated(error)) then
          if (.not. args%given(OPT_LEGACY)) call say_only_legacy(findings)
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
       end if
@@ -65,6 +68,36 @@ contains
       if (allocated(error)) call print_failure(error, may_colour(STDERR))
       if (.not. args%given(OPT_QUIET) .and. allocated(outcome%verdict)) call print_summary(outcome)
    end subroutine run_command
+
+   !> ROOT_0001.rad where that is a file, else ''
+   function default_engine(starter) result(path)
+      character(len=*), intent(in) :: starter    !! ROOT_0000.rad
+      character(len=:), allocatable :: path
+
+      integer :: cut
+      logical :: exists
+
+      path = ''
+      cut = index(starter, '_0000.rad', back=.true.)
+      if (cut == 0) return
+      inquire (file=starter(:cut)//'0001.rad', exist=exists)
+      if (exists) path = starter(:cut)//'0001.rad'
+   end function default_engine
+
+   !> Without an engine deck the command line says when to end and to sample
+   !>
+   !> Errors: ERR_INPUT when it does not, unless there is no starter deck either
+   subroutine check_end(args, error)
+      type(arguments_t), intent(in) :: args
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: exists
+
+      inquire (file=args%operand(1)%s, exist=exists)
+      if (.not. exists .or. (args%given(OPT_UNTIL) .and. args%given(OPT_SAMPLE))) return
+      call fail(error, ERR_INPUT, 'no engine deck: '//args%operand(1)%s//' has none beside it')
+      error%hint = 'name one, or give --until T and --sample DT'
+   end subroutine check_end
 
    !> Options of the command line as the library takes them
    subroutine take_options(args, options, error)

@@ -139,7 +139,7 @@ contains
       if (last >= first) return
       call shrink(text, a, b, i, j)
       if (j < i) return
-      if (verify(text(i:j), ' 0,'//TAB) == 0) return
+      if (verify(text(i:j), ' 0.,'//TAB) == 0) return
       first = i
       last = j
    end subroutine note_text

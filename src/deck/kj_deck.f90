@@ -3,7 +3,7 @@ module kj_deck
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE, str
    use kj_units, only: unit_system_t, factor_of
-   use kj_keywords, only: KW_BEGIN, KW_UNIT
+   use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_KJOINT2, KW_INIVEL_AXIS
    use kj_fields, only: field_range
    use kj_deck_data, only: source_t, block_t, deck_t, line_text, place_of, title_of, block_units, &
       report_header, add_deck_finding, header_end
@@ -43,6 +43,7 @@ contains
       call read_begin(deck, findings)
       call read_local_units(deck, findings)
       call check_unit_ids(deck, findings)
+      call check_layouts(deck, findings)
    end subroutine read_deck
 
    !> Read /BEGIN: version and units
@@ -82,8 +83,10 @@ contains
       if (any(VERSIONS == deck%invers)) return
       deck%version = NEWEST
       if (deck%invers <= 44) then
-         call report(deck, cards, 'invers', SEV_ERROR, 'KJ-9027', 'format versions up to 44 have '// &
-            'cards of 8 columns a field, which are not supported', 'expected: 51 to 2026', findings, &
+         call report(deck, cards, 'invers', SEV_ERROR, 'KJ-9027', &
+            'format versions up to 44 have '// &
+            'cards of 8 columns a field, which are not supported', 'expected: 51 to 2026', &
+            findings, &
             'convert the deck; a deck with fields of 10 columns may just say 2026')
          deck%readable = .false.
       else
@@ -191,6 +194,25 @@ contains
             ' is not defined', 'the last number is the id of a /UNIT', findings, known)
       end do
    end subroutine check_unit_ids
+
+   !> Keywords whose cards are another matter in an old format version
+   subroutine check_layouts(deck, findings)
+      type(deck_t), intent(in) :: deck
+      type(finding_list_t), intent(inout) :: findings
+
+      integer :: i
+
+      do i = 1, deck%n_block
+         if (deck%block(i)%keyword == KW_KJOINT2 .and. deck%version < 2019) then
+            call report_header(deck, i, SEV_ERROR, 'KJ-9028', '/PROP/KJOINT2 had other cards '// &
+               'before version 2019, which are not supported', 'the deck has version '// &
+               str(deck%invers), findings, 'convert the property and raise the version in /BEGIN')
+         else if (deck%block(i)%keyword == KW_INIVEL_AXIS .and. deck%version < 120) then
+            call report_header(deck, i, SEV_ERROR, 'KJ-2046', '/INIVEL/AXIS needs version 120', &
+               'the deck has version '//str(deck%invers), findings)
+         end if
+      end do
+   end subroutine check_layouts
 
    !> "defined: 1, 2, 3" for a hint; at most ten ids
    pure function id_list(ids) result(text)

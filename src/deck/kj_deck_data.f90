@@ -10,7 +10,7 @@ module kj_deck_data
    private
 
    public :: source_t, block_t, deck_t, line_text, place_of, title_of, title_line, block_units, &
-      block_factors, add_deck_finding, report_header, header_end
+      block_factors, add_deck_finding, report_header, header_end, lengthen
 
    !> A file in memory
    type :: source_t
@@ -132,7 +132,8 @@ contains
    end function block_factors
 
    !> Append a finding that points at columns of a line
-   subroutine add_deck_finding(deck, line, first, last, severity, id, message, label, findings, hint)
+   subroutine add_deck_finding(deck, line, first, last, severity, id, message, label, findings, &
+      hint)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: line               !! index; 0 = no place
       integer, intent(in) :: first, last        !! columns
@@ -172,5 +173,16 @@ contains
 
       last = max(1, len_trim(line_text(deck, line)))
    end function header_end
+
+   !> Double the length of an array
+   pure subroutine lengthen(array)
+      integer, allocatable, intent(inout) :: array(:)
+
+      integer, allocatable :: longer(:)
+
+      allocate (longer(2*size(array)))
+      longer(:size(array)) = array
+      call move_alloc(longer, array)
+   end subroutine lengthen
 
 end module kj_deck_data

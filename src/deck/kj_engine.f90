@@ -273,7 +273,8 @@ contains
          integer, intent(in) :: level
          character(len=*), intent(in) :: id, message, label
 
-         call add_deck_finding(deck, header, 1, header_end(deck, header), level, id, message, label, &
+         call add_deck_finding(deck, header, 1, header_end(deck, header), level, id, message, &
+            label, &
             findings)
       end subroutine say
    end subroutine take_dt
@@ -306,7 +307,8 @@ contains
 
       if (words%word(2) /= 'VERS') return
       version = word_integer(deck, header, words, 3, 0, findings)
-      if (version < 40) call add_deck_finding(deck, header, 1, header_end(deck, header), SEV_ERROR, &
+      if (version < 40) call add_deck_finding(deck, header, 1, header_end(deck, header), &
+         SEV_ERROR, &
          'KJ-E198', 'version '//str(version)//' of the T01 file does not exist', &
          'expected: 40 or more', findings)
    end subroutine check_th_version

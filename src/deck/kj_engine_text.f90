@@ -36,7 +36,8 @@ contains
       call load_source(path, 'engine', deck%source(1), problem)
       readable = len(problem) == 0
       if (.not. readable) then
-         call add_file_finding('KJ-9030', 'the engine deck cannot be read: '//problem, path, 0, '', &
+         call add_file_finding('KJ-9030', 'the engine deck cannot be read: '//problem, path, 0, &
+            '', &
             0, 0, findings)
          return
       end if

@@ -5,12 +5,14 @@ module kj_engine_words
 
    public :: engine_word_t, find_engine_word
 
-   integer, parameter, public :: EN_RUN = 1, EN_TITLE = 2, EN_VERS = 3, EN_TFILE = 4, EN_PRINT = 5, &
+   integer, parameter, public :: EN_RUN = 1, EN_TITLE = 2, EN_VERS = 3, EN_TFILE = 4, &
+      EN_PRINT = 5, &
       EN_DT = 6, EN_DTIX = 7, EN_TH = 8, EN_STOP = 9, EN_END = 10, EN_OTHER = 11
 
    !> What becomes of a keyword
    integer, parameter, public :: ENGINE_READ = 1, ENGINE_NOTE = 2, ENGINE_OUT = 3
 
+   !> A row of the table
    type :: engine_word_t
       integer           :: id          !! EN_ constant
       character(len=5)  :: name        !! first word of the header

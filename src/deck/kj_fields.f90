@@ -9,6 +9,7 @@ module kj_fields
    use kj_fields_scene, only: scene_fields
    use kj_fields_load, only: load_fields
    use kj_keywords, only: KW_SPRING8, N_KEYWORD
+   use kj_joint_types, only: joint_types, find_joint_type, NDOF
    implicit none
    private
 
@@ -17,22 +18,6 @@ module kj_fields
    !> All fields; those of one keyword stand together
    type(field_t), parameter, public :: fields(*) = &
       [joint_fields, property_fields, scene_fields, load_fields]
-
-   !> Directions of a joint or spring, in the order of their cards
-   character(len=2), parameter, public :: dof_names(6) = ['tx', 'ty', 'tz', 'rx', 'ry', 'rz']
-
-   !> Free directions of the nine joint types, in the order of dof_names
-   logical, parameter :: T = .true., F = .false.
-   logical, parameter :: free(6, 9) = reshape([ &
-      F, F, F, T, T, T, &     ! spherical
-      F, F, F, T, F, F, &     ! revolute
-      T, F, F, T, F, F, &     ! cylindrical
-      F, T, T, T, F, F, &     ! planar
-      F, F, F, F, T, T, &     ! universal
-      T, F, F, F, F, F, &     ! translational
-      F, T, T, F, F, F, &     ! Oldham
-      F, F, F, F, F, F, &     ! rigid
-      T, T, T, T, T, T], [6, 9])
 
 contains
 
@@ -63,16 +48,17 @@ contains
    pure subroutine list_free_dofs(keyword, joint_type, n, dof)
       integer, intent(in) :: keyword           !! KW_KJOINT2 or KW_SPRING8
       integer, intent(in) :: joint_type        !! of KJOINT2; 0 directions when not in 1 to 9
-      integer, intent(out) :: n, dof(6)        !! the first n are set: 1 tx, ..., 6 rz
+      integer, intent(out) :: n, dof(NDOF)     !! the first n are set: 1 tx, ..., 6 rz
 
-      integer :: i
+      integer :: i, row
 
       n = 0
       dof = 0
-      do i = 1, 6
+      row = find_joint_type(joint_type)
+      do i = 1, NDOF
          if (keyword /= KW_SPRING8) then
-            if (joint_type < 1 .or. joint_type > size(free, 2)) return
-            if (.not. free(i, joint_type)) cycle
+            if (row == 0) return
+            if (joint_types(row)%free(i) == 0) cycle
          end if
          n = n + 1
          dof(n) = i

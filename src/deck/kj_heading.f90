@@ -63,7 +63,8 @@ contains
          case (HEAD_ID)
             if (header%n >= 1) block%id = header%number(1)
             if (header%n >= 2) block%unit_id = header%number(2)
-            if (header%n < 1 .and. row%status == READ_IT) call add_deck_finding(deck, line, 1, last, &
+            if (header%n < 1 .and. row%status == READ_IT) call add_deck_finding(deck, line, 1, &
+               last, &
                SEV_WARNING, 'KJ-9036', 'the header has no id', 'taken as id 1', findings)
          case (HEAD_UNIT)
             if (header%n >= 1) block%unit_id = header%number(1)
@@ -72,7 +73,8 @@ contains
             if (header%n >= 2) block%id = header%number(2)
             if (header%n >= 3) block%unit_id = header%number(3)
             if (header%n < 2) call add_deck_finding(deck, line, 1, last, SEV_ERROR, 'KJ-9036', &
-               'the header has no type or no id', 'expected: '//trim(row%name)//'/type/id', findings)
+               'the header has no type or no id', 'expected: '//trim(row%name)//'/type/id', &
+               findings)
             if (.not. has_variant(row%id, block%variant)) then
                call add_deck_finding(deck, line, 1, last, severity, 'KJ-9022', trim(row%name)// &
                   ' of this type is not supported', 'supported: types 0, 1 and 5', findings)

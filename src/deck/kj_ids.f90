@@ -3,7 +3,7 @@ module kj_ids
    use kj_error, only: finding_list_t, SEV_WARNING
    use kj_field, only: IDS, PAIRS, TRIPLES
    use kj_fields, only: fields
-   use kj_deck_data, only: deck_t, add_deck_finding, title_line
+   use kj_deck_data, only: deck_t, add_deck_finding, title_line, lengthen
    use kj_cut, only: cut_t, cut_card
    use kj_values, only: read_integer_at, report_cut
    implicit none
@@ -17,7 +17,7 @@ module kj_ids
    !> Ids of a block and where they stand
    type :: ids_t
       integer :: n = 0
-      integer, allocatable :: value(:)          !! (>= n)
+      integer, allocatable :: value(:)          !! (>= n) allocated, if a reader made the list
       integer, allocatable :: line(:)           !! (>= n) index in deck
       integer, allocatable :: first(:), last(:) !! (>= n) columns
    end type ids_t
@@ -73,6 +73,7 @@ contains
       type(cut_t) :: cut
       integer :: line, source, k, j, value(10)
 
+      call prepare(list)
       do line = start, end
          source = deck%line_source(line)
          call cut_card(deck%source(source)%text(deck%line_first(line):deck%line_last(line)), &
@@ -92,6 +93,14 @@ contains
       end do
    end subroutine read_id_lines
 
+   !> Make a list an empty one, ready for use, if it is not so yet
+   subroutine prepare(list)
+      type(ids_t), intent(inout) :: list
+
+      if (allocated(list%value)) return
+      allocate (list%value(16), list%line(16), list%first(16), list%last(16))
+   end subroutine prepare
+
    !> Append an id with its place
    subroutine add_id(list, value, line, first, last)
       type(ids_t), intent(inout) :: list
@@ -99,9 +108,7 @@ contains
       integer, intent(in) :: line               !! index in deck
       integer, intent(in) :: first, last        !! columns
 
-      if (.not. allocated(list%value)) then
-         allocate (list%value(16), list%line(16), list%first(16), list%last(16))
-      end if
+      call prepare(list)
       if (list%n == size(list%value)) then
          call lengthen(list%value)
          call lengthen(list%line)
@@ -115,17 +122,6 @@ contains
       list%last(list%n) = last
    end subroutine add_id
 
-   !> Double the length of an array
-   pure subroutine lengthen(array)
-      integer, allocatable, intent(inout) :: array(:)
-
-      integer, allocatable :: longer(:)
-
-      allocate (longer(2*size(array)))
-      longer(:size(array)) = array
-      call move_alloc(longer, array)
-   end subroutine lengthen
-
    !> Read the clauses of a /SET; a blank word goes on with the clause before
    subroutine read_clauses(deck, block, clauses, findings)
       type(deck_t), intent(in) :: deck
@@ -136,6 +132,7 @@ contains
       type(cut_t) :: cut
       integer :: line, k, start, n, value, offset, source
 
+      call prepare(clauses%ids)
       start = deck%block(block)%first
       if (title_line(deck, block) > 0) start = start + 1
       n = max(1, deck%block(block)%last - start + 1)
@@ -178,7 +175,8 @@ contains
       type(finding_list_t), intent(inout) :: findings
       character(len=*), intent(in), optional :: hint
 
-      call add_deck_finding(deck, list%line(k), list%first(k), list%last(k), severity, id, message, &
+      call add_deck_finding(deck, list%line(k), list%first(k), list%last(k), severity, id, &
+         message, &
          label, findings, hint)
    end subroutine report_id
 

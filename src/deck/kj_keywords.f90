@@ -55,6 +55,9 @@ module kj_keywords
       keyword_t(KW_TITLE,          '/TITLE',           T, READ_IT, HN, 'title of the model'), &
       keyword_t(KW_END,            '/END',             F, READ_IT, HN, 'end of the deck'), &
       keyword_t(KW_UNIT,           '/UNIT',            T, READ_IT, HI, 'units of the blocks that name this id'), &
+      keyword_t(KW_OTHER,          '/UNIT/MASS',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
+      keyword_t(KW_OTHER,          '/UNIT/LENGTH',     T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
+      keyword_t(KW_OTHER,          '/UNIT/TIME',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
       keyword_t(KW_NODE,           '/NODE',            F, READ_IT, HU, 'nodes: id and coordinates'), &
       keyword_t(KW_CNODE,          '/CNODE',           F, READ_IT, HN, 'nodes that are merged with others at their place'), &
       keyword_t(KW_PART,           '/PART',            T, READ_IT, HI, 'elements of one property and material'), &

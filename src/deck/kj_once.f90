@@ -5,7 +5,8 @@ module kj_once
    use kj_units, only: dimensions
    use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_SPRING8
    use kj_field, only: EACH, ONCE, DOFS
-   use kj_fields, only: fields, dof_names, list_free_dofs, rotational
+   use kj_joint_types, only: DOF_NAME, NDOF, find_joint_type
+   use kj_fields, only: fields, list_free_dofs, rotational
    use kj_deck_data, only: deck_t, add_deck_finding, block_factors, header_end
    use kj_cut, only: cut_t, cut_card, is_blank_text, MOST_ON_CARD
    use kj_values, only: read_integer_at, read_real_at, report_cut
@@ -42,7 +43,7 @@ contains
       type(cards_t), intent(inout) :: cards
       type(finding_list_t), intent(inout) :: findings
 
-      integer :: keyword, n_read, joint_type, n_dof, dof(6)
+      integer :: keyword, n_read, joint_type, n_dof, dof(NDOF)
       real(wp) :: factor(size(dimensions))
 
       cards%block = block
@@ -64,7 +65,7 @@ contains
          if (keyword == KW_KJOINT2 .or. keyword == KW_SPRING8) then
             call list_free_dofs(keyword, joint_type, n_dof, dof)
             call read_dofs(deck, factor, n_dof, dof, cards, n_read, findings)
-            if (keyword == KW_KJOINT2 .and. (joint_type < 1 .or. joint_type > 9)) return
+            if (keyword == KW_KJOINT2 .and. find_joint_type(joint_type) == 0) return
          end if
          if (keyword == KW_KJOINT .and. n_read < 3) return
       end associate
@@ -106,7 +107,7 @@ contains
    subroutine read_dofs(deck, factor, n_dof, dof, cards, n_read, findings)
       type(deck_t), intent(in) :: deck
       real(wp), intent(in) :: factor(:)
-      integer, intent(in) :: n_dof, dof(6)      !! the directions
+      integer, intent(in) :: n_dof, dof(NDOF)      !! the directions
       type(cards_t), intent(inout) :: cards
       integer, intent(inout) :: n_read
       type(finding_list_t), intent(inout) :: findings
@@ -122,7 +123,7 @@ contains
                   n = n + 1
                   row(n) = i
                end do
-               call read_card(deck, factor, 3*(d - 1) + card, n, row, dof_names(dof(d)), cards, &
+               call read_card(deck, factor, 3*(d - 1) + card, n, row, DOF_NAME(dof(d)), cards, &
                   findings)
             end do
          end do
@@ -142,15 +143,17 @@ contains
       type(finding_list_t), intent(inout) :: findings
 
       type(cut_t) :: cut
-      integer :: i, line, source
+      integer :: i, line, source, first(MOST_ON_CARD), last(MOST_ON_CARD)
 
       if (n == 0) return
       line = 0
       if (card <= cards%n_card) line = deck%block(cards%block)%last - cards%n_card + card
       if (line > 0) then
          source = deck%line_source(line)
+         first(:n) = fields(row(:n))%first
+         last(:n) = fields(row(:n))%last
          call cut_card(deck%source(source)%text(deck%line_first(line):deck%line_last(line)), n, &
-            fields(row(:n))%first, fields(row(:n))%last, cut)
+            first(:n), last(:n), cut)
          call report_cut(deck, line, cut, findings)
       end if
       do i = 1, n
@@ -167,7 +170,7 @@ contains
       type(cards_t), intent(inout) :: cards
       type(finding_list_t), intent(inout) :: findings
 
-      integer :: k, dim, offset
+      integer :: k, dim, source, offset
 
       k = cards%n + 1
       cards%n = k
@@ -195,7 +198,8 @@ contains
          cards%real_value(k) = cards%real_value(k)*factor(dim)
       case default
          offset = deck%line_first(line) - 1
-         cards%text_value(k) = deck%source(deck%line_source(line))%text(offset + first:offset + last)
+         source = deck%line_source(line)
+         cards%text_value(k) = deck%source(source)%text(offset + first:offset + last)
       end select
    end subroutine add_value
 
@@ -219,7 +223,8 @@ contains
          end do
          if (cards%n_card > 0 .or. b%last < b%first .or. .not. keywords(b%row)%titled) return
          call add_deck_finding(deck, b%first, 1, header_end(deck, b%first), SEV_WARNING, &
-            'KJ-9016', trim(keywords(b%row)%name)//' has no cards', 'taken as the title', findings, &
+            'KJ-9016', trim(keywords(b%row)%name)//' has no cards', 'taken as the title', &
+            findings, &
             'the line after the header is always the title')
       end associate
    end subroutine report_length

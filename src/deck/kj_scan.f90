@@ -3,7 +3,8 @@ module kj_scan
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, add_at
    use kj_keywords, only: keywords, READ_IT, KW_END
    use kj_spelling, only: upper
-   use kj_deck_data, only: deck_t, source_t, block_t, add_deck_finding, line_text, header_end
+   use kj_deck_data, only: deck_t, source_t, block_t, add_deck_finding, line_text, header_end, &
+      lengthen
    use kj_source, only: load_source, next_line, folder_of, add_file_finding
    use kj_heading, only: read_heading
    implicit none
@@ -160,7 +161,8 @@ contains
 
       scan%ended = .true.
       scan%in_block = .false.
-      if (scan%depth > 1) call add_deck_finding(deck, line, 1, header_end(deck, line), SEV_WARNING, &
+      if (scan%depth > 1) call add_deck_finding(deck, line, 1, header_end(deck, line), &
+         SEV_WARNING, &
          'KJ-9034', '/END in an included file', 'ends this file, not the deck', findings)
    end subroutine end_deck
 
@@ -287,17 +289,6 @@ contains
       deck%line_first(n) = first
       deck%line_last(n) = last
    end subroutine add_line
-
-   !> Double the length of an array
-   pure subroutine lengthen(array)
-      integer, allocatable, intent(inout) :: array(:)
-
-      integer, allocatable :: longer(:)
-
-      allocate (longer(2*size(array)))
-      longer(:size(array)) = array
-      call move_alloc(longer, array)
-   end subroutine lengthen
 
    !> Double the length of the list of blocks
    pure subroutine lengthen_blocks(array)

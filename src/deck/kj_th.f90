@@ -159,6 +159,7 @@ contains
       integer :: line, id, n
       integer, allocatable :: skew(:)
 
+      call read_id_lines(deck, 1, 0, 10, 1, th%object, findings)     ! an empty list
       allocate (skew(max(0, end - start + 1)))
       skew = 0
       n = 0
@@ -166,7 +167,8 @@ contains
          call cut_card(line_text(deck, line), 3, [1, 11, 21], [10, 20, 100], cut)
          cut%extra_last = 0
          call report_cut(deck, line, cut, findings)
-         call read_integer_at(deck, line, cut%first(1), cut%last(1), 'the id', 'an id', id, findings)
+         call read_integer_at(deck, line, cut%first(1), cut%last(1), 'the id', 'an id', id, &
+            findings)
          if (id == 0) then
             call add_deck_finding(deck, line, 1, 10, SEV_ERROR, merge('KJ-0078', 'KJ-0069', &
                with_skew), 'the card asks for the id 0', 'expected: an id', findings, &

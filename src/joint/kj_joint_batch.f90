@@ -2,17 +2,40 @@
 !> Structure of arrays, joint first: one dof of all joints is one contiguous column.
 module kj_joint_batch
    use kj_kinds, only: wp
-   use kj_joint_types, only: NDOF
+   use kj_joint_types, only: joint_types, NDOF
    implicit none
    private
 
-   public :: joint_batch_t, joint_state_t, new_batch, new_joint_state
+   public :: joint_batch_t, joint_state_t, limits_t, new_batch, new_limits, new_joint_state
 
    !> Law signature of a dof, bits
    integer, parameter, public :: LAW_SPRING = 1        !! linear stiffness
    integer, parameter, public :: LAW_DAMPER = 2        !! linear damping, user or critical
    integer, parameter, public :: LAW_SPRING_CURVE = 4  !! tabulated elastic force
    integer, parameter, public :: LAW_DAMPER_CURVE = 8  !! tabulated damping force
+
+   integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kind of a batch: /PROP/TYPE33, TYPE45
+
+   !> What a dof does, state%flag
+   integer, parameter, public :: DOF_FREE = 0, DOF_SLIDING = 1, DOF_STICKING = 2, DOF_AT_STOP = 3, &
+      DOF_LOCKED = 4, DOF_BLOCKED = 5
+
+   !> Stops, friction, lock and automatic stiffness of a limited batch (KJOINT2 only).
+   !>
+   !> A stop 0 is no stop. Where a dof has friction its stop is the friction spring that may no
+   !> longer slide; where it has none the stop has stiffness k, or that of the blocked dofs if k = 0.
+   type :: limits_t
+      real(wp), allocatable :: lo(:, :), hi(:, :)   !! (n, 6) stops, lo <= 0 <= hi
+      real(wp), allocatable :: combined(:, :)   !! (n, 6) 1 where the stop is shared with other dofs, else 0
+      real(wp), allocatable :: k(:, :)          !! (n, 6) stiffness of friction or stop
+      real(wp), allocatable :: slip(:, :)       !! (n, 6) largest friction force, or scale of its curve
+      integer, allocatable :: slip_curve(:, :)  !! (n, 6) curve of q, 0 = none
+      real(wp), allocatable :: cr(:)            !! (n) critical damping ratio where a limit acts
+      real(wp), allocatable :: k_block(:, :)    !! (n, 2) stiffness of blocked translations, rotations
+      logical, allocatable :: automatic(:)      !! (n) k_block comes from the first step
+      real(wp), allocatable :: scale(:)         !! (n) SCF: scale of the automatic stiffness
+      real(wp), allocatable :: t_lock(:), t_free(:)   !! (n) locked while t_lock < t <= t_free
+   end type limits_t
 
    !> Constants of n joints; all in work units
    type :: joint_batch_t
@@ -21,6 +44,8 @@ module kj_joint_batch
       integer :: row = 0                        !! row of kj_joint_types
       integer :: frame = 0                      !! FRAME_ constant
       integer :: law(NDOF) = 0                  !! LAW_ bits of each dof
+      integer :: kind = KJOINT                  !! KJOINT or KJOINT2
+      logical :: limited = .false.              !! `limit` is there and acts
       integer, allocatable :: node(:, :)        !! (n, 2) node index of each end
       integer, allocatable :: lead(:, :)        !! (n, 2) body or free node that carries the end
       integer, allocatable :: skew(:, :)        !! (n, 2) skew index of each end, 0 = none
@@ -34,6 +59,8 @@ module kj_joint_batch
       integer, allocatable :: c_curve(:, :)     !! (n, 6)
       real(wp), allocatable :: k_top(:, :)      !! (n, 2) largest linear stiffness, translation and rotation
       real(wp), allocatable :: c_top(:, :)      !! (n, 2) largest linear user damping
+      real(wp), allocatable :: angle0(:, :)     !! (n, 3) rotation at the start, J [rad]
+      type(limits_t) :: limit
    end type joint_batch_t
 
    !> What changes
@@ -44,6 +71,14 @@ module kj_joint_batch
       real(wp), allocatable :: energy(:)        !! (n) work done on the joint
       real(wp), allocatable :: qdot(:, :)       !! (n, 6) rates; only at samples
       real(wp), allocatable :: stiff(:, :)      !! (n, 2) time-step stiffness, translation and rotation
+      ! of limited batches only
+      real(wp), allocatable :: k_block(:, :)    !! (n, 2) stiffness of blocked dofs at present
+      real(wp), allocatable :: friction(:, :)   !! (n, 6) friction force, J
+      real(wp), allocatable :: slip_energy(:)   !! (n) energy that sliding took
+      real(wp), allocatable :: stored(:)        !! (n) elastic energy of stops, friction and lock
+      logical, allocatable :: locked(:)         !! (n) has been locked
+      real(wp), allocatable :: q_lock(:, :)     !! (n, 6) q held by the lock
+      integer, allocatable :: flag(:, :)        !! (n, 6) DOF_ constant
    end type joint_state_t
 
 contains
@@ -57,19 +92,48 @@ contains
       allocate (batch%node(n, 2), batch%lead(n, 2), batch%skew(n, 2), batch%k_curve(n, NDOF), &
          batch%c_curve(n, NDOF), source=0)
       allocate (batch%xl0(n, 3), batch%frame0(n, 9), batch%k(n, NDOF), batch%c(n, NDOF), &
-         batch%cr(n), batch%reduced(n, 2), batch%k_top(n, 2), batch%c_top(n, 2), source=0.0_wp)
+         batch%cr(n), batch%reduced(n, 2), batch%k_top(n, 2), batch%c_top(n, 2), &
+         batch%angle0(n, 3), source=0.0_wp)
    end subroutine new_batch
 
-   !> State at the start: initial frame, unstrained
+   !> Allocate the limits of a batch: no stops, no friction, no lock
+   subroutine new_limits(batch)
+      type(joint_batch_t), intent(inout) :: batch
+
+      batch%limited = .true.
+      associate (n => batch%n, l => batch%limit)
+         allocate (l%lo(n, NDOF), l%hi(n, NDOF), l%combined(n, NDOF), l%k(n, NDOF), l%slip(n, NDOF), &
+            l%cr(n), l%k_block(n, 2), l%scale(n), source=0.0_wp)
+         allocate (l%slip_curve(n, NDOF), source=0)
+         allocate (l%automatic(n), source=.false.)
+         allocate (l%t_lock(n), l%t_free(n), source=huge(1.0_wp))
+      end associate
+   end subroutine new_limits
+
+   !> State at the start: initial frame and angles
    subroutine new_joint_state(batch, state)
       type(joint_batch_t), intent(in) :: batch
       type(joint_state_t), intent(out) :: state
+
+      integer :: dof
 
       associate (n => batch%n)
          allocate (state%q(n, NDOF), state%f(n, NDOF), state%energy(n), state%qdot(n, NDOF), &
             state%stiff(n, 2), source=0.0_wp)
       end associate
       allocate (state%e, source=batch%frame0)
+      state%q(:, 4:6) = batch%angle0
+      if (.not. batch%limited) return
+      associate (n => batch%n)
+         allocate (state%friction(n, NDOF), state%slip_energy(n), state%stored(n), &
+            state%q_lock(n, NDOF), source=0.0_wp)
+         allocate (state%locked(n), source=.false.)
+         allocate (state%flag(n, NDOF), source=DOF_FREE)
+      end associate
+      allocate (state%k_block, source=batch%limit%k_block)
+      do dof = 1, NDOF
+         if (joint_types(batch%row)%free(dof) == 0) state%flag(:, dof) = DOF_BLOCKED
+      end do
    end subroutine new_joint_state
 
 end module kj_joint_batch

@@ -1,14 +1,15 @@
 !> Forces of one batch of joints under the legacy formulation: frame, laws of six dofs, wrench on
 !> the two ends. Blocks of BLOCK joints; joints are independent, so the bits do not depend on how
 !> the range is cut.
-!> Source: legacy_scheme.md 4.4 to 4.6.
+!> Limited batches have their laws in kj_joint_limit. Source: legacy_scheme.md 4.4 to 4.6.
 module kj_joint_force
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
    use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_FIRST
-   use kj_joint_batch, only: joint_batch_t, joint_state_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_joint_frame, only: BLOCK, turn_frames, cross_frames, to_local, to_world, add_cross
+   use kj_joint_batch, only: joint_batch_t, joint_state_t, KJOINT2, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
+   use kj_joint_frame, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross
    use kj_joint_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve, step_stiffness
+   use kj_joint_limit, only: limited_laws
    implicit none
    private
 
@@ -24,6 +25,8 @@ module kj_joint_force
 
    !> What joints see of the scene; leads are bodies (their main node) and free nodes
    type :: world_t
+      real(wp) :: time = 0.0_wp
+      real(wp) :: h12 = 0.0_wp                   !! mean of the steps before and after the last time
       real(wp), allocatable :: x(:, :)           !! (n_node, 3) positions, leads first, W
       real(wp), allocatable :: w(:, :)           !! (n_lead, 3) angular velocities, W
       real(wp), allocatable :: skew(:, :)        !! (0:n_skew, 9) axes of the skews, W
@@ -91,7 +94,11 @@ contains
             if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(from + i - 1, k))/h
          end do
       end do
-      call laws(batch, curves, from, n, q, qdot, state, f)
+      if (batch%limited) then
+         call limited_laws(batch, curves, world%time, world%h12, from, n, q, qdot, state, f)
+      else
+         call laws(batch, curves, from, n, q, qdot, state, f)
+      end if
       do k = 1, NDOF
          do i = 1, n
             j = from + i - 1
@@ -136,16 +143,44 @@ contains
          end do
          dual(:n, :) = e(:n, :)
       case default   ! FRAME_CROSS
-         do k = 1, 3
-            a(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
-            b(:n, k) = world%skew(batch%skew(from:from + n - 1, 2), k)
-         end do
+         if (batch%kind == KJOINT2) then
+            call turn_own_axes(batch, world, h, from, n, state, a, b)
+         else
+            do k = 1, 3
+               a(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
+               b(:n, k) = world%skew(batch%skew(from:from + n - 1, 2), k)
+            end do
+         end if
          call cross_frames(n, a, b, e, dual)
       end select
       state%e(from:from + n - 1, :) = e(:n, :)
       call to_local(n, dual, r, xl)
       call to_local(n, dual, dw, turn)
    end subroutine move_frames
+
+   !> Axes of universal KJOINT2, which turn with their bodies by themselves
+   pure subroutine turn_own_axes(batch, world, h, from, n, state, u, v)
+      type(joint_batch_t), intent(in) :: batch
+      type(world_t), intent(in) :: world
+      real(wp), intent(in) :: h
+      integer, intent(in) :: from, n
+      type(joint_state_t), intent(in) :: state
+      real(wp), intent(out) :: u(BLOCK, 3), v(BLOCK, 3)
+
+      real(wp) :: w1(BLOCK, 3), w2(BLOCK, 3)
+      integer :: i, k
+
+      do k = 1, 3
+         do i = 1, n
+            u(i, k) = state%e(from + i - 1, 3 + k)
+            v(i, k) = state%e(from + i - 1, 6 + k)
+            w1(i, k) = world%w(batch%lead(from + i - 1, 1), k)
+            w2(i, k) = world%w(batch%lead(from + i - 1, 2), k)
+         end do
+      end do
+      call turn_axes(n, h, w1, u)
+      call turn_axes(n, h, w2, v)
+   end subroutine turn_own_axes
 
    !> Force of each dof; renews the time-step stiffness where a curve can change it
    pure subroutine laws(batch, curves, from, n, q, qdot, state, f)

@@ -6,7 +6,7 @@ module kj_joint_frame
    implicit none
    private
 
-   public :: turn_frames, cross_frames, to_local, to_world, add_cross
+   public :: turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross
 
    integer, parameter, public :: BLOCK = 64    !! joints a kernel works on at a time
 
@@ -39,6 +39,28 @@ contains
          end do
       end do
    end subroutine turn_frames
+
+   !> u := (u + h w x u) made 1 long: to first order, as the legacy scheme has it
+   pure subroutine turn_axes(n, h, w, u)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: w(BLOCK, 3)        !! W
+      real(wp), intent(inout) :: u(BLOCK, 3)     !! W
+
+      real(wp) :: x, y, z, s
+      integer :: i
+
+      !$omp simd private(x, y, z, s)
+      do i = 1, n
+         x = u(i, 1) + h*(w(i, 2)*u(i, 3) - w(i, 3)*u(i, 2))
+         y = u(i, 2) + h*(w(i, 3)*u(i, 1) - w(i, 1)*u(i, 3))
+         z = u(i, 3) + h*(w(i, 1)*u(i, 2) - w(i, 2)*u(i, 1))
+         s = 1.0_wp/sqrt(x**2 + y**2 + z**2)
+         u(i, 1) = s*x
+         u(i, 2) = s*y
+         u(i, 3) = s*z
+      end do
+   end subroutine turn_axes
 
    !> Universal frame E = [u x v normalised, u, v] and its dual basis (rows of E^-1).
    !>

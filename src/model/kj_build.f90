@@ -4,6 +4,7 @@ module kj_build
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: lookup_t, new_lookup, find, sorted_order
    use kj_joint_types, only: FRAME_MEAN, FRAME_CROSS
+   use kj_joint_batch, only: KJOINT
    use kj_keywords, only: KW_TITLE, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY
    use kj_deck_data, only: deck_t, title_of, line_text
    use kj_cards, only: th_t, read_th, report_id
@@ -227,7 +228,8 @@ contains
          case ('STOP'); c%below_min = STOP_BELOW
          case default; c%below_min = SCALE_NONE
          end select
-         c%nodal_step = model%n_joint > 0 .or. len_trim(engine%noda) > 0
+         c%nodal_step = any(model%batch%kind == KJOINT) .or. len_trim(engine%noda) > 0
+         c%joint_step = model%n_joint > 0 .and. .not. c%nodal_step
          if (.not. engine%has_dtix) return
          c%dt_ini = engine%dtix_ini
          if (engine%dtix_max > 0.0_wp) c%dt_max = engine%dtix_max

@@ -3,7 +3,7 @@ module kj_build_body
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, str, SEV_ERROR, SEV_WARNING
    use kj_math3, only: cross
-   use kj_sort, only: find, new_lookup
+   use kj_sort, only: find
    use kj_keywords, only: KW_RBODY, KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS
    use kj_deck_data, only: deck_t, title_of
    use kj_cards, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
@@ -39,7 +39,7 @@ contains
       blocks = blocks_of(deck, KW_RBODY)
       call block_lookup(deck, blocks, draft%body_id)
       blocks = blocks(draft%body_id%place)
-      call new_lookup(draft%body_id%id, draft%body_id)
+      draft%body_id%place = [(b, b=1, size(blocks))]
       draft%body_block = blocks
       model%n_body = size(blocks)
       model%body_id = deck%block(blocks)%id

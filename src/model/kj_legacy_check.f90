@@ -5,6 +5,7 @@ module kj_legacy_check
    use kj_error, only: error_t, finding_list_t, fail, add_finding, str, SEV_WARNING, ERR_INPUT
    use kj_joint_types, only: FRAME_FIRST, FRAME_CROSS, NDOF
    use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE
+   use kj_joint_stop, only: has_friction, has_limits
    use kj_curve, only: curve_set_t, law_value
    use kj_model, only: model_t, BY_TIME
    implicit none
@@ -13,8 +14,10 @@ module kj_legacy_check
    public :: warn_legacy, warn_large_turn
 
    !> Defects of joints, in the order of their warnings
-   integer, parameter :: FIRST_SKEW = 1, UNIVERSAL = 2, FALLING = 3, BACKWARD = 4
-   character(len=7), parameter :: ID(4) = ['KJ-9201', 'KJ-9202', 'KJ-9203', 'KJ-9204']
+   integer, parameter :: FIRST_SKEW = 1, UNIVERSAL = 2, FALLING = 3, BACKWARD = 4, SHARED = 5, &
+      RUBBING = 6
+   character(len=7), parameter :: ID(6) = ['KJ-9201', 'KJ-9202', 'KJ-9203', 'KJ-9204', 'KJ-9207', &
+      'KJ-9208']
 
 contains
 
@@ -26,7 +29,7 @@ contains
       logical, allocatable :: acts(:)
       integer :: defect, j
 
-      do defect = FIRST_SKEW, BACKWARD
+      do defect = FIRST_SKEW, RUBBING
          acts = [(acts_on(model, defect, j), j=1, model%n_joint)]
          if (.not. any(acts)) cycle
          call warn(findings, ID(defect), joint_text(model, acts)//text_of(defect))
@@ -53,6 +56,11 @@ contains
       case (BACKWARD)
          text = ': a stiffness curve is above f(0) at negative abscissae: the time step of the legacy '// &
             'scheme collapses there'
+      case (SHARED)
+         text = ': shares a KJOINT2 with stops, friction or a lock: OpenRadioss mixes the damping and '// &
+            'friction of such joints, here each is alone'
+      case (RUBBING)
+         text = ': friction on a universal KJOINT2: in OpenRadioss it spoils the axes, here it does not'
       end select
    end function text_of
 
@@ -69,6 +77,14 @@ contains
             acts = batch%frame == FRAME_FIRST .and. norm2(batch%xl0(place, :)) > 0.0_wp
          case (UNIVERSAL)
             acts = batch%frame == FRAME_CROSS
+         case (SHARED)
+            acts = .false.
+            if (batch%limited) acts = has_limits(batch%limit, place) .and. &
+               count(model%joint%property == model%joint(j)%property) > 1
+         case (RUBBING)
+            acts = .false.
+            if (batch%limited .and. batch%frame == FRAME_CROSS) acts = any(has_friction( &
+               batch%limit%k(place, :), batch%limit%slip(place, :), batch%limit%slip_curve(place, :)))
          case default
             acts = bad_curve(model%curves, batch, place, defect)
          end select

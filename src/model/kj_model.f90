@@ -86,6 +86,7 @@ module kj_model
       real(wp) :: dt_ini = 0.0_wp              !! /DTIX, 0 = not given
       real(wp) :: dt_max = 1.0e20_wp
       logical :: nodal_step = .true.           !! a TYPE33 joint or /DT/NODA switches it on
+      logical :: joint_step = .false.          !! the step of TYPE45 joints alone, without nodal_step
       integer :: print_every = 100
    end type control_t
 

@@ -36,7 +36,7 @@ module kj_channels
    type :: channel_t
       integer           :: owner       !! OF_ constant
       character(len=20) :: name        !! dataset name
-      integer           :: n_comp      !! 1, 3 (axis) or 4 (quaternion)
+      integer           :: n_comp      !! 1, 3 (axis), 4 (quaternion) or 6 (axis6)
       integer           :: kind        !! AS_ constant
       integer           :: dim         !! D_ constant, gives the unit
       character(len=20) :: class       !! @channel_class
@@ -55,11 +55,11 @@ module kj_channels
       CH_OWNER_KIND = 17, CH_OWNER = 18, CH_FINAL = 19, CH_J_FORCE = 20, CH_J_MOMENT = 21, &
       CH_J_DISP = 22, CH_J_ROT = 23, CH_J_VEL = 24, CH_J_ANGVEL = 25, CH_J_IE = 26, &
       CH_J_ELASTIC = 27, CH_J_DISSIPATED = 28, CH_J_LENGTH = 29, CH_J_VIOL_T = 30, &
-      CH_J_VIOL_R = 31, CH_J_FRAME = 32, CH_J_ORTHO = 33, CH_B_POS = 34, CH_B_VEL = 35, &
-      CH_B_ANGVEL = 36, CH_B_ACC = 37, CH_B_ANGACC = 38, CH_B_FORCE = 39, CH_B_MOMENT = 40, &
-      CH_B_IMPULSE = 41, CH_B_ANGIMP = 42, CH_B_ROTSUM = 43, CH_B_ORIENT = 44, CH_B_KE = 45, &
-      CH_N_POS = 46, CH_N_DISP = 47, CH_N_VEL = 48, CH_N_ANGVEL = 49, CH_N_ACC = 50, &
-      CH_N_ANGACC = 51
+      CH_J_VIOL_R = 31, CH_J_FRAME = 32, CH_J_ORTHO = 33, CH_J_STATE = 34, CH_J_FRICTION = 35, &
+      CH_J_GAP = 36, CH_J_GAP_ROT = 37, CH_B_POS = 38, CH_B_VEL = 39, CH_B_ANGVEL = 40, &
+      CH_B_ACC = 41, CH_B_ANGACC = 42, CH_B_FORCE = 43, CH_B_MOMENT = 44, CH_B_IMPULSE = 45, &
+      CH_B_ANGIMP = 46, CH_B_ROTSUM = 47, CH_B_ORIENT = 48, CH_B_KE = 49, CH_N_POS = 50, &
+      CH_N_DISP = 51, CH_N_VEL = 52, CH_N_ANGVEL = 53, CH_N_ACC = 54, CH_N_ANGACC = 55
 
    ! the same constants by short names, so that a row is one line
    integer, parameter :: RUN = OF_RUN, JOINT = OF_JOINT, BODY = OF_BODY, NODE = OF_NODE, &
@@ -101,6 +101,10 @@ module kj_channels
       channel_t(JOINT, 'violation_rot', 1, F64, ANGLE, 'rotation', '', T, 0, '', 'norm of the blocked rotations'), &
       channel_t(JOINT, 'frame', 4, F64, NUM, 'rotation', W, T, 0, '', 'joint frame: world from joint'), &
       channel_t(JOINT, 'orthogonality', 1, F64, ANGLE, 'rotation', '', T, 0, '', 'loss of orthogonality of the joint frame'), &
+      channel_t(JOINT, 'state', 6, I8, NUM, 'flag', J, T, 0, '', 'what each direction does'), &
+      channel_t(JOINT, 'friction_energy', 1, F64, ENERGY, 'energy', '', T, 0, '', 'energy that sliding friction took'), &
+      channel_t(JOINT, 'gap', 3, F64, LEN, 'displacement', J, T, 0, '', 'way to the nearest stop, NaN where there is none'), &
+      channel_t(JOINT, 'gap_rot', 3, F64, ANGLE, 'rotation', J, T, 0, '', 'angle to the nearest stop, NaN where there is none'), &
       channel_t(BODY, 'position', 3, F64, LEN, 'displacement', W, T, 16, 'X Y Z', 'position of the main node'), &
       channel_t(BODY, 'velocity', 3, F64, VEL, 'velocity', W, HALF, 22, 'VX VY VZ', 'velocity of the main node'), &
       channel_t(BODY, 'angular_velocity', 3, F64, ANGVEL, 'angular_velocity', W, HALF, 28, 'VRX VRY VRZ', 'angular velocity'), &

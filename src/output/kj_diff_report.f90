@@ -3,6 +3,7 @@ module kj_diff_report
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use kj_kinds, only: wp
    use kj_error, only: str
+   use kj_joint_types, only: NDOF, DOF_NAME
    use kj_channels, only: channels, CH_TIME
    use kj_metrics, only: metrics
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
@@ -295,7 +296,7 @@ contains
       if (excess >= huge(1.0_wp)) text = 'any'
    end function multiple
 
-   !> ".x" of a vector, ".w" of a quaternion, nothing of a scalar
+   !> ".x" of a vector, ".w" of a quaternion, ".tx" of a state, nothing of a scalar
    pure function component(n_comp, k) result(text)
       integer, intent(in) :: n_comp, k
       character(len=:), allocatable :: text
@@ -304,6 +305,7 @@ contains
 
       text = ''
       if (n_comp >= 3 .and. n_comp <= 4) text = '.'//LETTERS(n_comp)(k:k)
+      if (n_comp == NDOF) text = '.'//DOF_NAME(k)
    end function component
 
 end module kj_diff_report

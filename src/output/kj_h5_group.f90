@@ -4,7 +4,7 @@ module kj_h5_group
    use kj_error, only: error_t
    use kj_utf8, only: as_utf8
    use kj_units, only: unit_text, D_NUMBER, D_MASS, D_INERTIA
-   use kj_joint_types, only: joint_types, find_joint_type
+   use kj_joint_types, only: joint_types, find_joint_type, DOF_NAME
    use kj_channels, only: channels, groups, OF_JOINT, OF_BODY, OF_NODE, AS_F64, AS_I32
    use kj_history, only: history_t, text_t
    use kj_h5, only: hid_t, close_object, put_text
@@ -12,12 +12,13 @@ module kj_h5_group
    implicit none
    private
 
-   public :: n_entity, component_name, write_scales, write_constants
+   public :: n_entity, component_name, component_scale, write_scales, write_constants
 
    !> What the datasets of one group share
    type, public :: group_scope_t
       integer(hid_t) :: group = -1
-      integer(hid_t) :: time = -1, entity = -1, axis = -1, quaternion = -1   !! the scales
+      integer(hid_t) :: time = -1, entity = -1                 !! the scales
+      integer(hid_t) :: axis = -1, quaternion = -1, axis6 = -1   !! those over components
       character(len=:), allocatable :: coordinates                           !! @coordinates
    end type group_scope_t
 
@@ -41,7 +42,18 @@ contains
 
       name = 'axis'
       if (n_comp == 4) name = 'quaternion'
+      if (n_comp == 6) name = 'axis6'
    end function component_name
+
+   !> Its scale
+   pure integer(hid_t) function component_scale(scope, n_comp) result(id)
+      type(group_scope_t), intent(in) :: scope
+      integer, intent(in) :: n_comp
+
+      id = scope%axis
+      if (n_comp == 4) id = scope%quaternion
+      if (n_comp == 6) id = scope%axis6
+   end function component_scale
 
    !> Write the dimension scales of a group and leave them open
    subroutine write_scales(scope, history, owner, error)
@@ -52,7 +64,6 @@ contains
 
       character(len=:), allocatable :: name, meaning
       integer, allocatable :: id(:)
-      integer :: i
 
       name = trim(groups(owner)%entity)
       allocate (id(n_entity(history, owner)))
@@ -66,32 +77,37 @@ contains
       call make_scale(scope%entity, name, error)
       call put_text(scope%entity, 'units', '1', error)
       call put_text(scope%entity, 'long_name', meaning, error)
-      call write_component_scale(scope%group, 3, 'xyz', 'component', scope%axis, error)
-      do i = 1, size(history%variable)
-         if (channels(history%variable(i)%channel)%owner /= owner) cycle
-         if (history%variable(i)%n_comp /= 4) cycle
-         call write_component_scale(scope%group, 4, 'wxyz', 'component of the quaternion', &
-            scope%quaternion, error)
-         exit
-      end do
+      call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
+      if (has_variable(history, owner, 4)) call write_component_scale(scope%group, &
+         ['w', 'x', 'y', 'z'], 'component of the quaternion', scope%quaternion, error)
+      if (has_variable(history, owner, 6)) call write_component_scale(scope%group, DOF_NAME, &
+         'direction of the joint', scope%axis6, error)
    end subroutine write_scales
 
-   !> Write the scale over components, one letter each, and leave it open
-   subroutine write_component_scale(group, n, letters, meaning, id, error)
+   !> A variable of this owner has n_comp components
+   pure logical function has_variable(history, owner, n_comp)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner, n_comp
+
+      has_variable = any(channels(history%variable%channel)%owner == owner .and. &
+         history%variable%n_comp == n_comp)
+   end function has_variable
+
+   !> Write the scale over components, a name each, and leave it open
+   subroutine write_component_scale(group, components, meaning, id, error)
       integer(hid_t), intent(in) :: group
-      integer, intent(in) :: n
-      character(len=*), intent(in) :: letters, meaning
+      character(len=*), intent(in) :: components(:), meaning
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
 
-      type(text_t) :: names(n)
+      type(text_t) :: names(size(components))
       integer :: i
 
-      do i = 1, n
-         names(i)%s = letters(i:i)
+      do i = 1, size(components)
+         names(i)%s = trim(components(i))
       end do
-      call write_texts(group, component_name(n), names, id, error)
-      call make_scale(id, component_name(n), error)
+      call write_texts(group, component_name(size(components)), names, id, error)
+      call make_scale(id, component_name(size(components)), error)
       call put_text(id, 'long_name', meaning, error)
    end subroutine write_component_scale
 

@@ -8,12 +8,13 @@ module kj_h5_layout
    use kj_utf8, only: as_utf8
    use kj_units, only: unit_text
    use kj_channels, only: channels, groups, sampled_at, OF_RUN, OF_JOINT, OF_NODE, AS_F64, AS_I32, &
-      AS_I8, CH_TIME, CH_OWNER_KIND, CH_FINAL
+      AS_I8, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
    use kj_history, only: history_t, variable_t, text_t
    use kj_h5, only: hid_t, create_group, close_object, has_link, link_to, put_text, put_texts, &
       put_number, put_numbers
    use kj_h5_data, only: create_series, write_text, make_scale, attach_scale
-   use kj_h5_group, only: group_scope_t, n_entity, component_name, write_scales, write_constants
+   use kj_h5_group, only: group_scope_t, n_entity, component_name, component_scale, write_scales, &
+      write_constants
    implicit none
    private
 
@@ -114,6 +115,7 @@ contains
       call close_object(scope%entity, error)
       call close_object(scope%axis, error)
       call close_object(scope%quaternion, error)
+      call close_object(scope%axis6, error)
       call close_object(scope%group, error)
    end subroutine write_group
 
@@ -186,7 +188,7 @@ contains
          allocate (scales(rank))
          scales(rank) = scope%time
          if (rank > 1) scales(rank - 1) = scope%entity
-         if (rank == 3) scales(1) = merge(scope%quaternion, scope%axis, variable%n_comp == 4)
+         if (rank == 3) scales(1) = component_scale(scope, variable%n_comp)
          do i = 1, rank
             call attach_scale(id, scales(i), i, rank, error)
          end do
@@ -201,6 +203,8 @@ contains
       integer, intent(in) :: row                   !! of the channel table
       type(error_t), allocatable, intent(inout) :: error
 
+      integer :: i
+
       call put_text(id, 'units', unit_text(channels(row)%dim, history%units), error)
       call put_text(id, 'long_name', trim(channels(row)%meaning), error)
       call put_text(id, 'channel_class', trim(channels(row)%class), error)
@@ -213,6 +217,10 @@ contains
       if (row == CH_OWNER_KIND) then
          call put_numbers(id, 'flag_values', AS_I8, [0.0_wp, 1.0_wp, 2.0_wp, 3.0_wp], error)
          call put_text(id, 'flag_meanings', 'none node body joint', error)
+      end if
+      if (row == CH_J_STATE) then
+         call put_numbers(id, 'flag_values', AS_I8, [(real(i, wp), i=0, 5)], error)
+         call put_text(id, 'flag_meanings', 'free sliding sticking at_stop locked blocked', error)
       end if
       if (row == CH_FINAL) then
          call put_numbers(id, 'flag_values', AS_I8, [0.0_wp, 1.0_wp], error)

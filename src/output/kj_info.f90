@@ -3,8 +3,9 @@ module kj_info
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
    use kj_units, only: unit_text, D_TIME
-   use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_KE_TRANS, &
-      CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, CH_FINAL
+   use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
+      CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, &
+      CH_FINAL
    use kj_history, only: history_t, variable_t, text_t
    use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
       read_run_facts
@@ -96,11 +97,14 @@ contains
       real(wp) :: largest, time
       integer :: i, j, at, n_comp
 
-      survey%n_bad = survey%n_bad + count(.not. abs(row) <= huge(1.0_wp))
       time = 0.0_wp
       do i = 1, size(history%variable)
          at = history%variable(i)%first
          n_comp = history%variable(i)%n_comp
+         ! a gap is NaN where there is no stop
+         if (history%variable(i)%channel /= CH_J_GAP .and. history%variable(i)%channel /= CH_J_GAP_ROT) &
+            survey%n_bad = survey%n_bad + count(.not. abs(row(at:at + n_comp* &
+            history%variable(i)%n_entity - 1)) <= huge(1.0_wp))
          if (history%variable(i)%channel == CH_TIME) time = row(at)
          if (history%variable(i)%channel == CH_TIME_STEP .and. row(at) > 0.0_wp) then
             survey%shortest_step = min(survey%shortest_step, row(at))

@@ -1,13 +1,15 @@
 !> Channel + state -> numbers: one row of a history at t(n), taken between the two halves of a cycle.
 module kj_sample
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INTERNAL
    use kj_math3, only: cross, to_quaternion
    use kj_curve, only: curve_integral
    use kj_joint_types, only: joint_types, FRAME_CROSS
-   use kj_joint_batch, only: LAW_SPRING_CURVE
+   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
+   use kj_joint_stop, only: has_limits
    use kj_model, only: model_t
-   use kj_state, only: state_t
+   use kj_state, only: state_t, OWNER_JOINT
    use kj_skew, only: axis_of
    use kj_load, only: gravity_at
    use kj_energy, only: balance_t, balance_of, energy_error
@@ -17,6 +19,7 @@ module kj_sample
       CH_POTENTIAL, CH_ENERGY_ERROR, CH_MOM_X, CH_MOM_Y, CH_MOM_Z, CH_ANG_X, CH_ANG_Y, CH_ANG_Z, CH_MASS, &
       CH_OWNER_KIND, CH_OWNER, CH_FINAL, CH_J_FORCE, CH_J_MOMENT, CH_J_DISP, CH_J_ROT, CH_J_VEL, CH_J_ANGVEL, &
       CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, CH_J_FRAME, CH_J_ORTHO, &
+      CH_J_STATE, CH_J_FRICTION, CH_J_GAP, CH_J_GAP_ROT, &
       CH_B_POS, CH_B_VEL, CH_B_ANGVEL, CH_B_ACC, CH_B_ANGACC, CH_B_FORCE, CH_B_MOMENT, CH_B_IMPULSE, &
       CH_B_ANGIMP, CH_B_ROTSUM, CH_B_ORIENT, CH_B_KE, CH_N_POS, CH_N_DISP, CH_N_VEL, CH_N_ANGVEL, CH_N_ACC, &
       CH_N_ANGACC, OF_RUN, OF_JOINT, OF_BODY, OF_NODE
@@ -48,12 +51,28 @@ contains
       n(OF_BODY) = size(model%th_body)
       n(OF_NODE) = size(model%th_node)
       do row = 1, size(channels)
+         if (row >= CH_J_STATE .and. row <= CH_J_GAP_ROT .and. .not. any_limits(model)) cycle
          if (n(channels(row)%owner) > 0) call add_variable(history, row, n(channels(row)%owner))
       end do
       allocate (sampler%orientation(4, model%n_body), source=0.0_wp)
       sampler%orientation(1, :) = 1.0_wp
       allocate (sampler%gravity(model%n_lead, 3), source=0.0_wp)
    end subroutine new_sampler
+
+   !> A joint of the history has stops, friction or a lock
+   pure logical function any_limits(model)
+      type(model_t), intent(in) :: model
+
+      integer :: k
+
+      any_limits = .false.
+      do k = 1, size(model%th_joint)
+         associate (ref => model%joint(model%th_joint(k)))
+            if (.not. model%batch(ref%batch)%limited) cycle
+            any_limits = any_limits .or. has_limits(model%batch(ref%batch)%limit, ref%place)
+         end associate
+      end do
+   end function any_limits
 
    !> Fill one row of a history
    subroutine sample_row(model, state, history, final, sampler, row, error)
@@ -68,7 +87,8 @@ contains
       integer :: i, k
 
       sampler%balance = balance_of(model, state)
-      sampler%energy_error = energy_error(state, sampler%balance)
+      sampler%energy_error = state%ledger_error
+      if (state%staggered) sampler%energy_error = energy_error(state, sampler%balance)
       sampler%gravity = 0.0_wp
       do i = 1, size(model%gravity)
          do k = 1, size(model%gravity(i)%node)
@@ -135,12 +155,14 @@ contains
       end associate
    end function run_value
 
-   !> User id of the body or node that limits the step
+   !> User id of the body, node or joint that limits the step
    pure integer function owner_id(model, state) result(id)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state
 
-      if (state%owner <= model%n_body) then
+      if (state%owner_kind == OWNER_JOINT) then
+         id = model%joint(state%owner)%id
+      else if (state%owner <= model%n_body) then
          id = model%body_id(state%owner)
       else
          id = model%node_id(state%owner)
@@ -177,28 +199,71 @@ contains
             case (CH_J_VIOL_R); y = norm2(pack(s%q(j, 4:6), free(4:6) == 0))
             case (CH_J_FRAME); y = frame_quaternion(s%e(j, :), model%batch(ref%batch)%frame)
             case (CH_J_ORTHO)
+               if (allocated(state%ortho)) then
+                  y = state%ortho(model%batch(ref%batch)%first + j)
+                  return
+               end if
                y = maxval(abs(asin([dot_product(s%e(j, 1:3), s%e(j, 4:6)), &
                   dot_product(s%e(j, 4:6), s%e(j, 7:9)), dot_product(s%e(j, 7:9), s%e(j, 1:3))])))
+            case (CH_J_STATE)
+               y = merge(real(DOF_FREE, wp), real(DOF_BLOCKED, wp), free == 1)
+               if (allocated(s%flag)) y = real(s%flag(j, :), wp)
+            case (CH_J_FRICTION); if (allocated(s%slip_energy)) y = s%slip_energy(j)
+            case (CH_J_GAP); y = gaps(model%batch(ref%batch), j, s%q(j, :), 1, 3)
+            case (CH_J_GAP_ROT); y = gaps(model%batch(ref%batch), j, s%q(j, :), 4, 6)
             end select
          end associate
       end associate
    end function joint_value
 
-   !> Energy stored in the elastic laws of a joint: k q^2/2, or the integral of its curve
+   !> How far directions first..last are from their nearest stop; negative beyond it
+   pure function gaps(batch, j, q, first, last) result(gap)
+      type(joint_batch_t), intent(in) :: batch
+      integer, intent(in) :: j, first, last
+      real(wp), intent(in) :: q(:)
+      real(wp) :: gap(first:last)
+
+      real(wp) :: reach
+      integer :: dof
+
+      gap = ieee_value(1.0_wp, ieee_quiet_nan)
+      if (.not. batch%limited) return
+      associate (lo => batch%limit%lo(j, :), hi => batch%limit%hi(j, :), &
+         combined => batch%limit%combined(j, :))
+         reach = norm2(combined(first:last)*(q(first:last) - 0.5_wp*(lo(first:last) + hi(first:last))))
+         do dof = first, last
+            if (combined(dof) > 0.0_wp) then
+               gap(dof) = 0.5_wp*(hi(dof) - lo(dof)) - reach
+            else if (hi(dof) > 0.0_wp .or. lo(dof) < 0.0_wp) then
+               gap(dof) = huge(1.0_wp)
+               if (hi(dof) > 0.0_wp) gap(dof) = hi(dof) - q(dof)
+               if (lo(dof) < 0.0_wp) gap(dof) = min(gap(dof), q(dof) - lo(dof))
+            end if
+         end do
+      end associate
+   end function gaps
+
+   !> Energy stored in the elastic laws of a joint: k q^2/2, or the integral of its curve; with stops,
+   !> friction and lock
    pure real(wp) function elastic_energy(model, state, batch, j) result(u)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state
       integer, intent(in) :: batch, j
 
+      real(wp) :: k
       integer :: dof
 
       u = 0.0_wp
+      if (model%batch(batch)%limited) u = state%joint(batch)%stored(j)
       associate (b => model%batch(batch), q => state%joint(batch)%q)
          do dof = 1, 6
             if (iand(b%law(dof), LAW_SPRING_CURVE) /= 0) then
                u = u + b%k(j, dof)*curve_integral(model%curves, b%k_curve(j, dof), 0.0_wp, q(j, dof))
             else
-               u = u + 0.5_wp*b%k(j, dof)*q(j, dof)**2
+               k = b%k(j, dof)
+               if (b%limited .and. joint_types(b%row)%free(dof) == 0) &
+                  k = state%joint(batch)%k_block(j, merge(1, 2, dof <= 3))
+               u = u + 0.5_wp*k*q(j, dof)**2
             end if
          end do
       end associate
@@ -289,11 +354,12 @@ contains
 
       lead = model%lead(node)
       w = state%world%w(lead, :)
+      if (.not. state%staggered) return
       if (node /= lead .and. state%bcs_of(lead) > 0) w = state%w_before(state%bcs_of(lead), :)
    end function turning_of
 
    !> Acceleration (offset 0) or angular acceleration (offset 3) of a node; that of a secondary node
-   !> is the difference of its velocities over h12
+   !> is the difference of its velocities over h12 in the staggered scheme
    pure function acceleration_of(model, state, node, offset) result(a)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state
@@ -306,6 +372,13 @@ contains
       lead = model%lead(node)
       if (node == lead) then
          a = state%a(lead, :)
+         if (offset > 0) a = state%al(lead, :)
+         return
+      end if
+      if (.not. state%staggered) then
+         w = state%world%w(lead, :)
+         v = state%world%x(node, :) - state%world%x(lead, :)
+         a = state%a(lead, :) + cross(state%al(lead, :), v) + cross(w, cross(w, v))
          if (offset > 0) a = state%al(lead, :)
          return
       end if

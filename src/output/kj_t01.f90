@@ -1,7 +1,8 @@
 !> Radioss time histories (T01) as a history of ours: every /TFILE type that holds data.
 !>
 !> A T01 knows no units of its own unless it was written with /TH/VERS >= 50; no cycles, no final
-!> row, no cards. Its springs are our joints. What our layout has no channel for is in `unknown`.
+!> row, no cards: type, nodes and bodies of a joint, main node and inertia of a body are left
+!> unallocated. Its springs are our joints. What our layout has no channel for is in `unknown`.
 module kj_t01
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
@@ -127,18 +128,7 @@ contains
             call add_unknown(header%group(i)%type, header%group(i)%code(n), '', reader%unknown)
          end do
       end do
-      n = size(history%joint_id)
-      allocate (history%joint_type(n), history%joint_property(n), source=0)
-      allocate (history%joint_node(2, n), history%joint_body(2, n), source=0)
-      n = size(history%body_id)
-      allocate (history%body_main_node(n), source=0)
-      allocate (history%body_inertia(3, n), source=ieee_value(1.0_wp, ieee_quiet_nan))
-      allocate (history%body_axes(3, 3, n), source=0.0_wp)
-      do i = 1, 3
-         history%body_axes(i, i, :) = 1.0_wp
-      end do
       call read_masses(reader, mass_place, history%body_mass, error)
-      allocate (history%input_name(0), history%input_text(0), history%input_role(0))
    end subroutine map_groups
 
    !> Where the values of each group stand in a row: behind those of all records before
@@ -159,7 +149,7 @@ contains
       end do
    end subroutine place_groups
 
-   !> Masses of the bodies from the first row; NaN where the file has none
+   !> Masses of the bodies from the first row; not allocated when no body has one
    subroutine read_masses(reader, place, mass, error)
       type(t01_reader_t), intent(inout) :: reader
       integer, intent(in) :: place(:)                  !! place in a row of the file, 0 = none
@@ -169,8 +159,8 @@ contains
       real(wp), allocatable :: values(:, :)
       integer :: i, n
 
-      allocate (mass(size(place)), source=ieee_value(1.0_wp, ieee_quiet_nan))
       if (all(place == 0) .or. reader%rows%n_row == 0) return
+      allocate (mass(size(place)), source=ieee_value(1.0_wp, ieee_quiet_nan))
       call read_t01_block(reader%file, reader%rows, 1, 1, values, n, error)
       if (allocated(error)) return
       do i = 1, size(place)

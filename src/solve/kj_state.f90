@@ -15,14 +15,17 @@ module kj_state
    real(wp), parameter, public :: NO_LIMIT = 1.0e6_wp   !! step of a scene that nothing limits
    real(wp), parameter, public :: GROWTH = real(1.1, wp)   !! largest growth of the step, single precision
 
-   integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2
+   integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2, OWNER_JOINT = 3
 
    type :: state_t
       integer :: cycle = 0
       real(wp) :: time = 0.0_wp
       real(wp) :: h1 = 0.0_wp, h2 = 0.0_wp, h12 = 0.0_wp   !! step before, after, their mean
       real(wp) :: h_old = 0.0_wp                          !! memory of the growth limit
-      integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: lead index
+      integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: index of lead or joint
+      logical :: staggered = .true.                       !! v, w half a step before x (legacy)
+      real(wp) :: ledger_error = 0.0_wp                   !! energy error of the consistent formulation
+      real(wp), allocatable :: ortho(:)                   !! (n_joint) loss of orthogonality, consistent
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
       real(wp) :: turn2 = 0.0_wp                          !! largest square of a turn in a step so far
       integer :: turn_body = 0                            !! the body that made it

@@ -14,6 +14,7 @@ module kj_step
    use kj_body, only: turn_bodies, solve_conditioned, linear_accelerations, move_leads, &
       move_secondaries
    use kj_time_step, only: choose_step
+   use kj_blocking, only: set_blocking
    implicit none
    private
 
@@ -40,6 +41,7 @@ contains
       call solve_conditioned(model, state)
       call choose_step(model, state)
       call check_step(model, state, error)
+      if (.not. allocated(error)) call set_blocking(model, state, error)
       state%work = state%work + state%power*state%h2
       call linear_accelerations(model, state)
       call add_gravity(model, state)
@@ -75,6 +77,8 @@ contains
 
       integer :: b
 
+      state%world%time = state%time
+      state%world%h12 = state%h12
       do b = 1, size(model%batch)
          call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, sampling, 1, &
             model%batch(b)%n, state%joint(b), state%wrench)

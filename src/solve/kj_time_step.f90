@@ -1,5 +1,5 @@
 !> The nodal time step of the legacy scheme.
-!> Source: legacy_scheme.md 2.
+!> Source: legacy_scheme.md 2 and 4.9.
 module kj_time_step
    use kj_kinds, only: wp
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW
@@ -34,6 +34,8 @@ contains
             state%ended = nodal < model%control%dt_min
          end select
          limit = min(limit, nodal)
+      else if (model%control%joint_step) then
+         call nodal_limit(model, state, limit)
       end if
       if (limit >= NO_LIMIT) state%owner_kind = OWNER_NONE
       state%h2 = min(limit, GROWTH*state%h_old, model%control%dt_max)
@@ -42,7 +44,8 @@ contains
       state%h12 = 0.5_wp*(state%h1 + state%h2)
    end subroutine choose_step
 
-   !> fac min sqrt(2 m/k) over leads with mass, and sqrt(2 I/k_r) over leads with inertia
+   !> fac min sqrt(2 m/k) over leads with mass, and sqrt(2 I/k_r) over leads with inertia; the step
+   !> of TYPE45 joints is that of the leads that carry them
    subroutine nodal_limit(model, state, limit)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
@@ -54,6 +57,7 @@ contains
       least = huge(1.0_wp)
       state%owner = 0
       do i = 1, model%n_lead
+         if (model%control%joint_step .and. model%map%first(i + 1) == model%map%first(i)) cycle
          ratio = huge(1.0_wp)
          if (state%mass(i) > 0.0_wp) ratio = state%mass(i)/state%kn(i)
          if (state%inertia(i) > 0.0_wp) ratio = min(ratio, state%inertia(i)/state%kr(i))
@@ -63,6 +67,7 @@ contains
          end if
       end do
       state%owner_kind = merge(OWNER_BODY, OWNER_NODE, state%owner <= model%n_body)
+      if (state%owner == 0) state%owner_kind = OWNER_NONE
       limit = NO_LIMIT
       if (least < 0.25_wp*huge(1.0_wp)) limit = model%control%dt_factor*sqrt(2.0_wp*least)
    end subroutine nodal_limit

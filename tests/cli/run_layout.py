@@ -13,9 +13,9 @@ TESTS = pathlib.Path(__file__).parents[1]
 
 def main(kjoint):
     with tempfile.TemporaryDirectory() as folder:
-        for case in ("REV01", "UNI01"):
+        for place, case in (("parity", "REV01"), ("parity", "UNI01"), ("parity45", "KTRA3")):
             history = pathlib.Path(folder) / f"{case}.h5"
-            starter = TESTS / "parity" / case / f"{case}_0000.rad"
+            starter = TESTS / place / case / f"{case}_0000.rad"
             subprocess.run([kjoint, "run", "--legacy", "-q", starter, "-o", history], check=True)
             check = [sys.executable, TESTS / "layout" / "check_layout.py", history]
             if subprocess.run(check, check=False).returncode != 0:

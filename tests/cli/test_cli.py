@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 import unittest
+import xml.etree.ElementTree
 
 SOURCE = pathlib.Path(os.environ.get("KJOINT_SOURCE_DIR", pathlib.Path(__file__).parents[2]))
 CASE = SOURCE / "tests" / "parity" / "REV01"
@@ -118,7 +119,16 @@ class Run(Program):
         self.engine.unlink()
         done = self.kjoint("run", "--legacy", "REV01_0000.rad", code=2)
         self.assertIn("--until", done.stderr)
-        self.kjoint("run", "--legacy", "REV01_0000.rad", "--until", "0.01", "--sample", "0.002")
+        done = self.kjoint("run", "--legacy", "REV01_0000.rad", "--until", "0.01", code=2)
+        self.assertIn("--sample", done.stderr)
+        done = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad", "--until", "0.01",
+                           "--sample", "0.002")
+        self.assertEqual(0.01, json.loads(done.stdout)["t_stop"])
+        self.assertIn(json.loads(done.stdout)["samples"], (6, 7))      # and the last state
+
+    def test_until_keeps_the_rest_of_the_engine_deck(self):
+        done = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad", "--until", "0.0079")
+        self.assertIn(json.loads(done.stdout)["samples"], (4, 5))      # /TFILE: 0.002
 
     def test_equal_runs_are_equal_bytes(self):
         for name in ("a.h5", "b.h5"):
@@ -131,6 +141,49 @@ class Run(Program):
         second = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad").stdout
         for key in ("cycles", "time", "time_step", "energy_error"):
             self.assertEqual(json.loads(first)[key], json.loads(second)[key])
+
+
+class Diff(Program):
+    """The verdicts of diff on whole files; its numbers are tested in tests/diff and tests/unit."""
+
+    def setUp(self):
+        super().setUp()
+        self.t01 = CASE / "REV01T01"
+        self.kjoint("run", "--legacy", "-q", CASE / "REV01_0000.rad", "-o", "a.h5")
+
+    def test_a_history_is_the_same_as_itself(self):
+        done = self.kjoint("diff", "a.h5", "a.h5", "--profile", "exact")
+        self.assertRegex(done.stdout.splitlines()[-1], r"^SAME: \d+ channels")
+        self.assertRegex(self.kjoint("diff", self.t01, "a.h5").stdout, r"SAME: \d+ channels")
+
+    def test_another_run_is_different(self):
+        self.kjoint("run", "--legacy", "-q", "REV01_0000.rad", "-o", "b.h5")
+        last = self.kjoint("diff", "a.h5", "b.h5", code=1).stdout.splitlines()[-1]
+        self.assertRegex(last, r"^DIFFERENT: \d+ of \d+ channels")
+        self.kjoint("diff", "a.h5", "b.h5", "--window", "0:0.01", "--profile", "solver")
+
+    def test_the_verdict_has_other_forms(self):
+        done = self.kjoint("diff", self.t01, "a.h5", "--json", "--junit", "verdict.xml",
+                           "--metrics", "max,nrmse")
+        json.loads(done.stdout)
+        suites = xml.etree.ElementTree.parse(self.folder / "verdict.xml").getroot()
+        self.assertGreater(len(list(suites.iter("testcase"))), 20)
+
+    def test_wrong_options_and_files_are_told_apart(self):
+        self.kjoint("diff", "a.h5", "a.h5", "--profile", "nothing", code=2)
+        self.kjoint("diff", "a.h5", "a.h5", "--window", "1:0", code=2)
+        self.kjoint("diff", "a.h5", "a.h5", "--metrics", "beauty", code=2)
+        self.kjoint("diff", "a.h5", "a.h5", "--rtol", "-1", code=2)
+        self.kjoint("diff", "a.h5", "nowhere.h5", code=3)
+        self.kjoint("diff", "a.h5", "REV01_0000.rad", code=3)
+        self.kjoint("diff", "a.h5", "a.h5", "--junit", "no/where.xml", code=3)
+
+    def test_a_t01_converts_to_a_history(self):
+        self.kjoint("convert", self.t01)
+        self.kjoint("diff", self.t01, "REV01T01.h5", "--profile", "exact")
+        self.kjoint("convert", self.t01, "-o", "c.h5")
+        self.assertIn("joint/force", self.kjoint("info", "c.h5").stdout)
+        self.kjoint("convert", "nowhere", code=3)
 
 
 class Errors(Program):
@@ -169,7 +222,7 @@ class Errors(Program):
         done = self.kjoint("run", "--legacy", "--json", "REV01_0000.rad", code=2)
         errors = [f for f in json.loads(done.stdout)["findings"] if f["severity"] == "error"]
         self.assertTrue(errors[0]["file"].endswith("REV01_0000.rad"))
-        self.assertEqual([21, 30], [errors[0]["first"], errors[0]["last"]])
+        self.assertEqual([28, 30], [errors[0]["first"], errors[0]["last"]])
 
     def test_unknown_keywords_are_errors_until_they_are_ignored(self):
         self.deck_with("/END", "/NONSENSE/1\ntitle\n/END")

@@ -16,7 +16,11 @@ import numpy as np
 
 MOST_CHUNK_BYTES = 256 * 1024
 ENTITY = {"joint": "joint", "rigid_body": "body", "node": "node"}
-COMPONENTS = {"axis": ["x", "y", "z"], "quaternion": ["w", "x", "y", "z"]}
+COMPONENTS = {"axis": ["x", "y", "z"], "quaternion": ["w", "x", "y", "z"],
+              "axis6": ["tx", "ty", "tz", "rx", "ry", "rz"]}
+OF_COMPONENTS = {"frame": "quaternion", "orientation": "quaternion", "state": "axis6"}
+FLAGS = {"time_step_owner_kind": ([0, 1, 2, 3], "none node body joint"),
+         "state": ([0, 1, 2, 3, 4, 5], "free sliding sticking at_stop locked blocked")}
 ROOT_ATTRIBUTES = {
     "Conventions": "CF-1.11 KJOINT-TH-1.0", "title": None, "source": None,
     "kjoint_format_major": 1, "kjoint_format_minor": 0,
@@ -24,9 +28,8 @@ ROOT_ATTRIBUTES = {
 CLASSES = {"time", "energy", "force", "moment", "displacement", "rotation", "velocity",
            "angular_velocity", "acceleration", "control", "flag", "momentum"}
 INTEGER_SERIES = {"cycle": "int64", "time_step_owner_kind": "int8", "time_step_owner": "int32",
-                  "final": "int8"}
+                  "final": "int8", "state": "int8"}
 IDS = {"joint", "body", "node", "type", "property", "node1", "node2", "body1", "body2", "main_node"}
-QUATERNIONS = {"frame", "orientation"}
 CONSTANT_DIMS = {"inertia_principal": ("axis",), "principal_axes": ("axis", "axis")}
 VOLATILE_ORDER = ["command_line", "version", "compiler", "compiler_options", "hdf5_version"]
 OF_HDF5 = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "_Netcdf4Dimid",
@@ -145,7 +148,7 @@ class Checker:
         name = path.rsplit("/", 1)[1]
         wanted = ("time", *entity)
         if len(item.shape) > len(wanted):
-            wanted += ("quaternion" if name in QUATERNIONS else "axis",)
+            wanted += (OF_COMPONENTS.get(name, "axis"),)
         self.check_labels(item, path, wanted)
         self.expect(item.shape[0] == file["time"].shape[0], path, "is not as long as time")
         self.expect(item.maxshape[0] is None, path, "its first dimension is not unlimited")
@@ -169,12 +172,12 @@ class Checker:
         self.expect(item.attrs.get("frame", "global") in ("joint", "global"), path, "unknown frame")
         if len(wanted) == 3:
             self.expect("frame" in item.attrs, path, "a vector without attribute frame")
-        if name == "time_step_owner_kind":
-            self.expect(list(item.attrs.get("flag_values", [])) == [0, 1, 2, 3], path, "flag_values")
+        if name in FLAGS:
+            values, meanings = FLAGS[name]
+            self.expect(list(item.attrs.get("flag_values", [])) == values, path, "flag_values")
             self.expect(item.attrs["flag_values"].dtype == item.dtype, path,
                         "flag_values are of another type than the data")
-            self.expect(item.attrs.get("flag_meanings") == "none node body joint", path,
-                        "flag_meanings")
+            self.expect(item.attrs.get("flag_meanings") == meanings, path, "flag_meanings")
 
     def check_entities(self, file, group, name):
         entity, path = ENTITY[name], f"/{name}"
@@ -263,8 +266,7 @@ class Checker:
                 self.expect(data["time"].dtype == np.dtype("float64"), place,
                             f"time became {data['time'].dtype}")
                 for key, rank in shapes.items():
-                    wanted = ("time", ENTITY.get(name), "quaternion" if key in QUATERNIONS
-                              else "axis")[:rank]
+                    wanted = ("time", ENTITY.get(name), OF_COMPONENTS.get(key, "axis"))[:rank]
                     self.expect(data[key].dims == wanted, f"{place}, {key}",
                                 f"dimensions are {data[key].dims}, not {wanted}")
                 if name != "/":

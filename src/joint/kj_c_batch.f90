@@ -1,0 +1,68 @@
+!> Arrays of all joints of one batch under the consistent formulation: constants and state.
+module kj_c_batch
+   use kj_kinds, only: wp
+   use kj_joint_types, only: joint_types, NDOF, FRAME_FIRST, FRAME_CROSS
+   use kj_joint_batch, only: joint_batch_t
+   implicit none
+   private
+
+   public :: c_batch_t, c_joint_t, new_c_joint, chart_of
+
+   !> Coordinates of the rotations
+   integer, parameter, public :: CHART_TWIST = 1      !! at most one free rotation
+   integer, parameter, public :: CHART_VECTOR = 2     !! three free rotations
+   integer, parameter, public :: CHART_UNIVERSAL = 3
+
+   !> Constants, work units
+   type :: c_batch_t
+      integer :: n = 0
+      integer :: first = 0                       !! joints before this batch
+      integer :: row = 0                         !! row of kj_joint_types
+      integer :: chart = 0                       !! CHART_ constant
+      logical :: mean = .true.                   !! translations in the mean frame, else of body 1
+      integer :: law(NDOF) = 0                   !! LAW_ bits of kj_joint_batch
+      logical :: damped = .false.                !! any dof has damping
+      integer, allocatable :: lead(:, :)         !! (n, 2)
+      real(wp), allocatable :: arm(:, :)         !! (n, 6) node 1 and node 2 from their leads, body axes
+      real(wp), allocatable :: triad(:, :)       !! (n, 8) quaternions of the triads in body axes
+      real(wp), allocatable :: xl0(:, :)         !! (n, 3) offset at the start, J
+      real(wp), allocatable :: angle0(:)         !! (n) angle(e2, e3) at the start, universal
+      real(wp), allocatable :: k(:, :), c(:, :)  !! (n, 6) stiffness and damping, or scale of the curve
+      integer, allocatable :: k_curve(:, :), c_curve(:, :)   !! (n, 6)
+   end type c_batch_t
+
+   !> State
+   type :: c_joint_t
+      real(wp), allocatable :: q(:, :)           !! (n, 6) coordinates
+      real(wp), allocatable :: fe(:, :)          !! (n, 6) elastic force on node 1
+      real(wp), allocatable :: fd(:, :)          !! (n, 6) damping force on node 1
+      real(wp), allocatable :: elastic(:), dissipated(:)   !! (n) work done on springs and on dampers
+      real(wp), allocatable :: e(:, :)           !! (n, 9) frame E1 E2 E3, W
+      real(wp), allocatable :: dir(:, :)         !! (n, 9) force of each unit translation, W
+      real(wp), allocatable :: m1(:, :), m2(:, :)   !! (n, 9) moments on leads 1, 2 of each
+      real(wp), allocatable :: rot(:, :)         !! (n, 9) moment on body 1 of each unit damping moment
+      real(wp), allocatable :: qd(:, :)          !! (n, 6) rates with the predicted velocities
+      real(wp), allocatable :: ortho(:)          !! (n) e2.e3 of a universal frame
+   end type c_joint_t
+
+contains
+
+   !> Chart of a batch
+   pure integer function chart_of(batch) result(chart)
+      type(joint_batch_t), intent(in) :: batch
+
+      chart = CHART_TWIST
+      if (all(joint_types(batch%row)%free(4:6) == 1)) chart = CHART_VECTOR
+      if (batch%frame == FRAME_CROSS) chart = CHART_UNIVERSAL
+   end function chart_of
+
+   pure subroutine new_c_joint(n, joint)
+      integer, intent(in) :: n
+      type(c_joint_t), intent(out) :: joint
+
+      allocate (joint%q(n, 6), joint%fe(n, 6), joint%fd(n, 6), joint%elastic(n), joint%dissipated(n), &
+         joint%e(n, 9), joint%dir(n, 9), joint%m1(n, 9), joint%m2(n, 9), joint%rot(n, 9), &
+         joint%qd(n, 6), joint%ortho(n), source=0.0_wp)
+   end subroutine new_c_joint
+
+end module kj_c_batch

@@ -1,0 +1,183 @@
+!> The march of a consistent run: equal steps up to a wanted time, none longer than the limit, which
+!> is found anew as the scene moves; and the ledger of energy.
+module kj_c_advance
+   use kj_kinds, only: wp
+   use kj_model, only: model_t
+   use kj_skew, only: axis_of
+   use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_body, only: spin_velocity
+   use kj_c_hold, only: held_force
+   use kj_c_bound, only: bound_t, new_bound, renew_bound, nodal_bound, has_moved
+   use kj_c_step, only: c_step, field_at
+   implicit none
+   private
+
+   public :: march_t, start_march, march, balance_ledger
+
+   integer, parameter :: LOOK = 8                !! steps between two looks at the bound
+
+   !> Where the march stands
+   type :: march_t
+      logical :: nodal = .false.                 !! nodal rule instead of the safe bound
+      real(wp) :: factor = 0.9_wp                !! of the limit
+      real(wp) :: most = huge(1.0_wp)            !! largest step allowed by the deck
+      real(wp) :: limit = huge(1.0_wp)           !! longest step now
+      integer :: joint = 0                       !! who holds it, index among all joints
+      type(bound_t) :: bound
+   end type march_t
+
+contains
+
+   !> Find the first limit, and the ledger at the start
+   subroutine start_march(model, c, state, self)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(inout) :: state
+      type(march_t), intent(inout) :: self
+
+      call new_bound(model, c, state, self%bound)
+      call take_limit(model, c, state, self)
+   end subroutine start_march
+
+   subroutine take_limit(model, c, state, self)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(march_t), intent(inout) :: self
+
+      real(wp) :: h
+
+      h = self%bound%h
+      if (self%nodal) call nodal_bound(model, c, state, h)
+      self%limit = self%most
+      self%joint = 0
+      if (h > self%most/self%factor) return
+      self%limit = h*self%factor
+      if (.not. self%nodal) self%joint = self%bound%joint
+   end subroutine take_limit
+
+   !> Steps towards t_end, at most `steps` of them; arrived: t_end is reached
+   subroutine march(model, c, t_end, steps, self, state, arrived)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: t_end
+      integer, intent(in) :: steps
+      type(march_t), intent(inout) :: self
+      type(c_state_t), intent(inout) :: state
+      logical, intent(out) :: arrived
+
+      real(wp) :: h
+      integer :: i, left
+
+      arrived = .true.
+      if (.not. t_end > state%time) return
+      arrived = .false.
+      left = needed_steps(t_end - state%time, self%limit)
+      h = (t_end - state%time)/left
+      call change_step(model, c, h, state)
+      do i = 1, steps
+         call c_step(model, c, h, state)
+         left = left - 1
+         if (left == 0) then
+            state%time = t_end
+            arrived = .true.
+            exit
+         end if
+         if (modulo(i, LOOK) > 0) cycle
+         if (.not. has_moved(c, state, self%bound)) cycle
+         call renew_bound(c, state, self%bound)
+         call take_limit(model, c, state, self)
+         left = needed_steps(t_end - state%time, self%limit)
+         h = (t_end - state%time)/left
+         call change_step(model, c, h, state)
+      end do
+      if (.not. arrived) return
+      call renew_bound(c, state, self%bound)
+      call take_limit(model, c, state, self)
+   end subroutine march
+
+   pure integer function needed_steps(span, limit) result(n)
+      real(wp), intent(in) :: span, limit
+
+      n = max(1, ceiling(min(span/limit, 1.0e9_wp) - 1.0e-6_wp))
+   end function needed_steps
+
+   !> A new step moves the h^2/8 term of the ledger: keep S where it is
+   subroutine change_step(model, c, h, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      type(c_state_t), intent(inout) :: state
+
+      if (abs(h - state%h) <= 0.0_wp) return
+      state%offset = state%offset + (h**2 - state%h**2)/8.0_wp*kick_term(model, c, state)
+      state%h = h
+   end subroutine change_step
+
+   !> Sum over leads of F.F/m + T.J^-1 T, without what conditions take
+   real(wp) function kick_term(model, c, state) result(q)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+
+      real(wp) :: f(3), t(model%n_lead, 3), w(model%n_lead, 3)
+      integer :: i
+
+      q = 0.0_wp
+      t = state%t
+      do i = 1, model%n_lead
+         f = state%f(i, :)
+         if (c%hold_of(i) > 0) call held_force(c, state, c%hold_of(i), f, t(i, :))
+         q = q + c%im(i)*dot_product(f, f)
+      end do
+      call spin_velocity(c, state%poses%quat, t, 1, model%n_lead, w)
+      q = q + sum(t*w)
+   end function kick_term
+
+   !> Ledger S = kinetic + work on joints + potential - external work - h^2/8 kick term, and its
+   !> change since the start over the largest kinetic + elastic + |work| so far
+   subroutine balance_ledger(model, c, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(inout) :: state
+
+      real(wp) :: kinetic, joints, elastic, s
+      integer :: b
+
+      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      kinetic = 0.5_wp*(sum(model%mass*sum(state%v**2, dim=2)) + sum(state%l*state%poses%w))
+      joints = 0.0_wp
+      elastic = 0.0_wp
+      do b = 1, size(state%joint)
+         elastic = elastic + sum(state%joint(b)%elastic)
+         joints = joints + sum(state%joint(b)%elastic) + sum(state%joint(b)%dissipated)
+      end do
+      s = kinetic + joints + potential(model, c, state) - state%work - &
+         state%h**2/8.0_wp*kick_term(model, c, state) + state%offset
+      if (state%cycle == 0) state%s0 = s
+      state%scale = max(state%scale, kinetic + elastic + abs(state%work))
+      state%error = 0.0_wp
+      if (state%scale > 0.0_wp) state%error = (s - state%s0)/state%scale
+   end subroutine balance_ledger
+
+   !> Potential of constant gravity, 0 at the start
+   pure real(wp) function potential(model, c, state) result(u)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+
+      real(wp) :: g(3)
+      integer :: i, k, lead
+
+      u = 0.0_wp
+      do i = 1, size(model%gravity)
+         if (.not. c%steady(i)) cycle
+         g = field_at(model, state, model%gravity(i))
+         do k = 1, size(model%gravity(i)%node)
+            lead = model%gravity(i)%node(k)
+            u = u - model%mass(lead)*dot_product(g, state%d(lead, :))
+         end do
+      end do
+   end function potential
+
+end module kj_c_advance

@@ -1,0 +1,244 @@
+!> Rigid bodies under the consistent formulation: half kicks, the drift by plane rotations, and the
+!> angular velocity that belongs to an angular momentum.
+!> Source: consistent.md 1 (split2), 3; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997) 5840.
+module kj_c_body
+   use kj_kinds, only: wp
+   use kj_math3, only: turn_coefficients
+   use kj_joint_frame, only: BLOCK
+   use kj_c_state, only: c_model_t, c_state_t
+   implicit none
+   private
+
+   public :: kick, drift, spin_velocity, inverse_inertias, columns
+
+contains
+
+   !> v += h/2 f/m, L += h/2 t of leads lo..hi; blocked leads have no inverse mass or inertia
+   subroutine kick(c, state, h, lo, hi)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(inout) :: state
+      real(wp), intent(in) :: h                       !! the whole step
+      integer, intent(in) :: lo, hi
+
+      integer :: i, k
+
+      do k = 1, 3
+         !$omp simd
+         do i = lo, hi
+            state%v(i, k) = state%v(i, k) + 0.5_wp*h*c%im(i)*state%f(i, k)
+            state%l(i, k) = state%l(i, k) + 0.5_wp*h*state%t(i, k)
+         end do
+      end do
+   end subroutine kick
+
+   !> x += h v, and the free rotation of leads lo..hi over h.
+   !>
+   !> Three unequal inertias: half, half about the smallest and the middle axis, whole about the
+   !> largest, and back. Two equal ones: the exact motion, a turn h L/It in space and one about the
+   !> axis of symmetry by h l (1/Ia - 1/It).
+   subroutine drift(c, state, h, lo, hi)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(inout) :: state
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+
+      real(wp) :: q(BLOCK, 4), l(BLOCK, 3), space(BLOCK, 3), part(BLOCK, 3), w(BLOCK, 3)
+      integer :: from, to, n, i, k
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         do k = 1, 3
+            state%poses%x(from:to, k) = state%poses%x(from:to, k) + h*state%v(from:to, k)
+            state%d(from:to, k) = state%d(from:to, k) + h*state%v(from:to, k)
+            l(:n, k) = state%l(from:to, k)
+         end do
+         q(:n, :) = state%poses%quat(from:to, :)
+         call symmetric_part(c, from, n, h, l, space, part)
+         call turn_in_space(n, space, q)
+         call conjugate_turn(n, q, l, w)
+         call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
+         call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
+         call plane_turn(n, 1, h, part(:, 1), c%ii(from:to, 1), q, w)
+         do i = 1, n
+            if (c%equal(from + i - 1) > 0) part(i, :) = 0.0_wp
+         end do
+         call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
+         call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
+         do i = 1, n
+            q(i, :) = q(i, :)*(1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2))
+         end do
+         state%poses%quat(from:to, :) = q(:n, :)
+      end do
+   end subroutine drift
+
+   !> Space turn h L/It of symmetric bodies (0 for others), and the share of each plane rotation
+   pure subroutine symmetric_part(c, from, n, h, l, space, part)
+      type(c_model_t), intent(in) :: c
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: h, l(BLOCK, 3)
+      real(wp), intent(out) :: space(BLOCK, 3), part(BLOCK, 3)
+
+      real(wp) :: it
+      integer :: i, j, a
+
+      do i = 1, n
+         j = from + i - 1
+         a = c%equal(j)
+         if (a == 0) then
+            space(i, :) = 0.0_wp
+            part(i, :) = [1.0_wp, 0.5_wp, 0.5_wp]
+         else
+            it = c%ii(j, modulo(a, 3) + 1)
+            space(i, :) = h*it*l(i, :)
+            part(i, :) = 0.0_wp
+            if (c%ii(j, a) > 0.0_wp) part(i, a) = 1.0_wp - it/c%ii(j, a)
+         end if
+      end do
+   end subroutine symmetric_part
+
+   !> q := Exp(phi) q
+   pure subroutine turn_in_space(n, phi, q)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: phi(BLOCK, 3)
+      real(wp), intent(inout) :: q(BLOCK, 4)
+
+      real(wp) :: a2(BLOCK), s(BLOCK), c(BLOCK), w, x, y, z, p(4)
+      integer :: i
+
+      do i = 1, n
+         a2(i) = 0.25_wp*(phi(i, 1)**2 + phi(i, 2)**2 + phi(i, 3)**2)
+      end do
+      call turn_coefficients(n, a2, s, c)
+      !$omp simd private(w, x, y, z, p)
+      do i = 1, n
+         w = 1.0_wp - a2(i)*c(i)
+         x = 0.5_wp*s(i)*phi(i, 1)
+         y = 0.5_wp*s(i)*phi(i, 2)
+         z = 0.5_wp*s(i)*phi(i, 3)
+         p(1) = q(i, 1)
+         p(2) = q(i, 2)
+         p(3) = q(i, 3)
+         p(4) = q(i, 4)
+         q(i, 1) = w*p(1) - x*p(2) - y*p(3) - z*p(4)
+         q(i, 2) = w*p(2) + x*p(1) + y*p(4) - z*p(3)
+         q(i, 3) = w*p(3) + y*p(1) + z*p(2) - x*p(4)
+         q(i, 4) = w*p(4) + z*p(1) + x*p(3) - y*p(2)
+      end do
+   end subroutine turn_in_space
+
+   !> Turn about body axis a by share*h*l_a/I_a: q := q (c, s e_a), and l stays the same in space
+   pure subroutine plane_turn(n, a, h, share, ii, q, l)
+      integer, intent(in) :: n, a
+      real(wp), intent(in) :: h, share(n), ii(n)
+      real(wp), intent(inout) :: q(BLOCK, 4), l(BLOCK, 3)
+
+      real(wp) :: x(BLOCK), x2(BLOCK), s(BLOCK), c(BLOCK), si, co, t
+      integer :: i, j, k
+
+      j = modulo(a, 3) + 1
+      k = modulo(j, 3) + 1
+      do i = 1, n
+         x(i) = 0.5_wp*h*share(i)*ii(i)*l(i, a)
+         x2(i) = x(i)**2
+      end do
+      call turn_coefficients(n, x2, s, c)
+      !$omp simd private(si, co, t)
+      do i = 1, n
+         si = x(i)*s(i)
+         co = 1.0_wp - x2(i)*c(i)
+         t = q(i, 1)
+         q(i, 1) = co*t - si*q(i, 1 + a)
+         q(i, 1 + a) = co*q(i, 1 + a) + si*t
+         t = q(i, 1 + j)
+         q(i, 1 + j) = co*t + si*q(i, 1 + k)
+         q(i, 1 + k) = co*q(i, 1 + k) - si*t
+         t = 2.0_wp*si*co
+         co = 1.0_wp - 2.0_wp*si*si
+         si = t
+         t = l(i, j)
+         l(i, j) = co*t + si*l(i, k)
+         l(i, k) = co*l(i, k) - si*t
+      end do
+   end subroutine plane_turn
+
+   !> b = a in body axes: turned by the conjugate of q
+   pure subroutine conjugate_turn(n, q, a, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: q(BLOCK, 4), a(BLOCK, 3)
+      real(wp), intent(out) :: b(BLOCK, 3)
+
+      real(wp) :: t1, t2, t3
+      integer :: i
+
+      !$omp simd private(t1, t2, t3)
+      do i = 1, n
+         t1 = 2.0_wp*(q(i, 4)*a(i, 2) - q(i, 3)*a(i, 3))
+         t2 = 2.0_wp*(q(i, 2)*a(i, 3) - q(i, 4)*a(i, 1))
+         t3 = 2.0_wp*(q(i, 3)*a(i, 1) - q(i, 2)*a(i, 2))
+         b(i, 1) = a(i, 1) + q(i, 1)*t1 - (q(i, 3)*t3 - q(i, 4)*t2)
+         b(i, 2) = a(i, 2) + q(i, 1)*t2 - (q(i, 4)*t1 - q(i, 2)*t3)
+         b(i, 3) = a(i, 3) + q(i, 1)*t3 - (q(i, 2)*t2 - q(i, 3)*t1)
+      end do
+   end subroutine conjugate_turn
+
+   !> w = J^-1 L of leads lo..hi
+   pure subroutine spin_velocity(c, quat, l, lo, hi, w)
+      type(c_model_t), intent(in) :: c
+      real(wp), contiguous, intent(in) :: quat(:, :)  !! (n_lead, 4)
+      real(wp), contiguous, intent(in) :: l(:, :)     !! (n_lead, 3) angular momentum, W
+      integer, intent(in) :: lo, hi
+      real(wp), contiguous, intent(inout) :: w(:, :)  !! (n_lead, 3)
+
+      real(wp) :: e(9), s(3)
+      integer :: i, k
+
+      do i = lo, hi
+         e = columns(quat(i, :))
+         do k = 1, 3
+            s(k) = c%ii(i, k)*(e(3*k - 2)*l(i, 1) + e(3*k - 1)*l(i, 2) + e(3*k)*l(i, 3))
+         end do
+         do k = 1, 3
+            w(i, k) = e(k)*s(1) + e(k + 3)*s(2) + e(k + 6)*s(3)
+         end do
+      end do
+   end subroutine spin_velocity
+
+   !> J^-1 in W times the number of joints of the lead: xx yy zz xy xz yz
+   pure subroutine inverse_inertias(c, quat, lo, hi, ij)
+      type(c_model_t), intent(in) :: c
+      real(wp), contiguous, intent(in) :: quat(:, :)
+      integer, intent(in) :: lo, hi
+      real(wp), contiguous, intent(inout) :: ij(:, :) !! (n_lead, 6)
+
+      integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
+      real(wp) :: e(9), n
+      integer :: i, k
+
+      do i = lo, hi
+         e = columns(quat(i, :))
+         n = real(c%n_joint(i), wp)
+         do k = 1, 6
+            ij(i, k) = n*(c%ii(i, 1)*e(ROW(k))*e(COLUMN(k)) + c%ii(i, 2)*e(ROW(k) + 3)*e(COLUMN(k) + 3) + &
+               c%ii(i, 3)*e(ROW(k) + 6)*e(COLUMN(k) + 6))
+         end do
+      end do
+   end subroutine inverse_inertias
+
+   !> Columns of the rotation matrix of a unit quaternion
+   pure function columns(p) result(e)
+      real(wp), intent(in) :: p(4)
+      real(wp) :: e(9)
+
+      e(1) = 1.0_wp - 2.0_wp*(p(3)*p(3) + p(4)*p(4))
+      e(2) = 2.0_wp*(p(2)*p(3) + p(1)*p(4))
+      e(3) = 2.0_wp*(p(2)*p(4) - p(1)*p(3))
+      e(4) = 2.0_wp*(p(2)*p(3) - p(1)*p(4))
+      e(5) = 1.0_wp - 2.0_wp*(p(2)*p(2) + p(4)*p(4))
+      e(6) = 2.0_wp*(p(3)*p(4) + p(1)*p(2))
+      e(7) = 2.0_wp*(p(2)*p(4) + p(1)*p(3))
+      e(8) = 2.0_wp*(p(3)*p(4) - p(1)*p(2))
+      e(9) = 1.0_wp - 2.0_wp*(p(2)*p(2) + p(3)*p(3))
+   end function columns
+
+end module kj_c_body

@@ -1,0 +1,349 @@
+!> Time-step limits of a scene under the consistent formulation: the safe bound, the nodal rule, and
+!> the exact limit of the assembled scene. Damping is implicit, so stiffness alone counts (kappa = 0).
+!>
+!> Safe: with the mass of each body shared among its joints, M = sum s_bj M_b, the step is stable if
+!> 4 M_j - h^2 K_j > 0 for every joint alone: h = 2/sqrt(max lambda_j), lambda_j the largest
+!> eigenvalue of K^1/2 (sum_b B_b M_b^-1 B_b^T / s_bj) K^1/2.
+!> Source: consistent.md 4.
+module kj_c_bound
+   use kj_kinds, only: wp
+   use kj_lapack, only: largest_eigenvalue
+   use kj_joint_batch, only: joint_state_t, new_joint_state, LAW_SPRING_CURVE
+   use kj_joint_force, only: start_stiffness
+   use kj_curve, only: curve_set_t
+   use kj_model, only: model_t
+   use kj_c_batch, only: c_batch_t, CHART_VECTOR
+   use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_hold, only: body_matrix
+   implicit none
+   private
+
+   public :: bound_t, new_bound, renew_bound, nodal_bound, exact_bound, has_moved
+
+   type :: bound_t
+      real(wp) :: h = huge(1.0_wp)               !! the bound, unscaled
+      integer :: joint = 0                       !! who holds it: index among all joints, 0 = none
+      real(wp), allocatable :: share(:, :)       !! (2, n_joint) of the mass of each end's lead
+      real(wp), allocatable :: k(:, :)           !! (6, n_joint) largest stiffness of each dof
+      real(wp), allocatable :: limit(:)          !! (n_joint) step that each joint allows
+      real(wp), allocatable :: q(:, :)           !! (6, n_joint) coordinates at the last evaluation
+   end type bound_t
+
+   integer, parameter :: SWEEPS = 4
+   real(wp), parameter :: LEAST_SHARE = 1.0e-9_wp
+   real(wp), parameter :: TURN = 0.05_wp         !! relative turn that asks for a new evaluation [rad]
+
+contains
+
+   !> Stiffnesses and shares, and the bound in the present pose
+   subroutine new_bound(model, c, state, bound)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(bound_t), intent(out) :: bound
+
+      real(wp) :: s(6, 6, 2), total(model%n_lead), lambda(model%n_joint)
+      integer :: b, i, j, e, sweep
+
+      allocate (bound%share(2, model%n_joint), bound%k(6, model%n_joint), bound%limit(model%n_joint), &
+         bound%q(6, model%n_joint))
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            bound%k(:, j) = stiffest(c%batch(b), model%curves, i)
+            call compliances(c, state, b, i, s)
+            do e = 1, 2
+               bound%share(e, j) = eigenvalue(bound%k(:, j), s(:, :, e))
+            end do
+         end do
+      end do
+      lambda = 1.0_wp
+      do sweep = 0, SWEEPS
+         total = 0.0_wp
+         call add_up(c, bound, lambda, total)
+         call divide(c, bound, lambda, total)
+         call eigenvalues(c, state, bound, lambda)
+      end do
+      call take(bound, lambda)
+      call keep_pose(c, state, bound)
+   end subroutine new_bound
+
+   !> The bound in the present pose with the shares as they are
+   subroutine renew_bound(c, state, bound)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(bound_t), intent(inout) :: bound
+
+      real(wp) :: lambda(size(bound%limit))
+
+      call eigenvalues(c, state, bound, lambda)
+      call take(bound, lambda)
+      call keep_pose(c, state, bound)
+   end subroutine renew_bound
+
+   !> Some joint has turned or slid so far since the last evaluation that the bound may be wrong
+   pure logical function has_moved(c, state, bound) result(moved)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+
+      integer :: b, i, j
+      real(wp) :: arm
+
+      moved = .true.
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            if (maxval(abs(state%joint(b)%q(i, 4:6) - bound%q(4:6, j))) > TURN) return
+            arm = norm2(c%batch(b)%arm(i, 1:3)) + norm2(c%batch(b)%arm(i, 4:6)) + &
+               norm2(c%batch(b)%xl0(i, :) + bound%q(1:3, j))
+            if (maxval(abs(state%joint(b)%q(i, 1:3) - bound%q(1:3, j))) > TURN*max(arm, tiny(1.0_wp))) return
+         end do
+      end do
+      moved = .false.
+   end function has_moved
+
+   subroutine keep_pose(c, state, bound)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(bound_t), intent(inout) :: bound
+
+      integer :: b
+
+      do b = 1, size(c%batch)
+         associate (first => c%batch(b)%first)
+            bound%q(:, first + 1:first + c%batch(b)%n) = transpose(state%joint(b)%q)
+         end associate
+      end do
+   end subroutine keep_pose
+
+   subroutine take(bound, lambda)
+      type(bound_t), intent(inout) :: bound
+      real(wp), intent(in) :: lambda(:)
+
+      integer :: j
+
+      bound%limit = huge(1.0_wp)
+      where (lambda > 0.0_wp) bound%limit = 2.0_wp/sqrt(lambda)
+      bound%h = huge(1.0_wp)
+      bound%joint = 0
+      if (size(lambda) == 0) return
+      j = maxloc(lambda, dim=1)
+      if (.not. lambda(j) > 0.0_wp) return
+      bound%h = bound%limit(j)
+      bound%joint = j
+   end subroutine take
+
+   subroutine eigenvalues(c, state, bound, lambda)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+      real(wp), intent(out) :: lambda(:)
+
+      real(wp) :: s(6, 6, 2)
+      integer :: b, i, j
+
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            call compliances(c, state, b, i, s)
+            lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j))
+         end do
+      end do
+   end subroutine eigenvalues
+
+   !> total of each lead: share times lambda over its joints
+   pure subroutine add_up(c, bound, lambda, total)
+      type(c_model_t), intent(in) :: c
+      type(bound_t), intent(in) :: bound
+      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: total(:)
+
+      integer :: b, i, j, e
+
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            do e = 1, 2
+               total(c%batch(b)%lead(i, e)) = total(c%batch(b)%lead(i, e)) + bound%share(e, j)*lambda(j)
+            end do
+         end do
+      end do
+   end subroutine add_up
+
+   !> share := share times lambda over the total of its lead
+   pure subroutine divide(c, bound, lambda, total)
+      type(c_model_t), intent(in) :: c
+      type(bound_t), intent(inout) :: bound
+      real(wp), intent(in) :: lambda(:), total(:)
+
+      integer :: b, i, j, e
+
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            do e = 1, 2
+               if (total(c%batch(b)%lead(i, e)) > 0.0_wp) then
+                  bound%share(e, j) = max(LEAST_SHARE, bound%share(e, j)*lambda(j)/total(c%batch(b)%lead(i, e)))
+               else
+                  bound%share(e, j) = 1.0_wp
+               end if
+            end do
+         end do
+      end do
+   end subroutine divide
+
+   !> Largest stiffness of each dof: that of a curve is its steepest rise anywhere
+   pure function stiffest(batch, curves, i) result(k)
+      type(c_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      integer, intent(in) :: i
+      real(wp) :: k(6)
+
+      integer :: dof, p
+
+      k = max(0.0_wp, batch%k(i, :))
+      do dof = 1, 6
+         if (iand(batch%law(dof), LAW_SPRING_CURVE) == 0) cycle
+         k(dof) = 0.0_wp
+         do p = curves%first(batch%k_curve(i, dof)), curves%first(batch%k_curve(i, dof) + 1) - 2
+            k(dof) = max(k(dof), batch%k(i, dof)*(curves%y(p + 1) - curves%y(p))/(curves%x(p + 1) - curves%x(p)))
+         end do
+      end do
+   end function stiffest
+
+   !> B_b M_b^-1 B_b^T of joint i of batch b, for both ends
+   subroutine compliances(c, state, b, i, s)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      integer, intent(in) :: b, i
+      real(wp), intent(out) :: s(6, 6, 2)
+
+      real(wp) :: rows(6, 6), g
+      integer :: e, lead
+
+      do e = 1, 2
+         lead = c%batch(b)%lead(i, e)
+         rows = rows_of_end(c%batch(b), state, b, i, e)
+         g = c%im(lead)
+         s(:, :, e) = matmul(rows(:, 1:3), transpose(rows(:, 1:3)))*g
+         rows(:, 4:6) = matmul(rows(:, 4:6), body_matrix(state, lead))
+         s(:, :, e) = s(:, :, e) + matmul(rows(:, 4:6)*spread(c%ii(lead, :), 1, 6), transpose(rows(:, 4:6)))
+      end do
+   end subroutine compliances
+
+   !> Rows of B of one end: columns 1-3 velocity, 4-6 angular velocity of its lead
+   pure function rows_of_end(batch, state, b, i, e) result(rows)
+      type(c_batch_t), intent(in) :: batch
+      type(c_state_t), intent(in) :: state
+      integer, intent(in) :: b, i, e
+      real(wp) :: rows(6, 6)
+
+      real(wp) :: sign, g, a
+      integer :: k
+
+      sign = merge(-1.0_wp, 1.0_wp, e == 1)
+      g = 1.0_wp
+      associate (joint => state%joint(b))
+         if (batch%chart == CHART_VECTOR) then
+            a = 0.5_wp*norm2(joint%q(i, 4:6))
+            if (a > 1.0e-3_wp) g = abs(a/sin(a))
+         end if
+         rows = 0.0_wp
+         do k = 1, 3
+            rows(k, 1:3) = sign*joint%dir(i, 3*k - 2:3*k)
+            rows(k, 4:6) = -joint%m1(i, 3*k - 2:3*k)
+            if (e == 2) rows(k, 4:6) = -joint%m2(i, 3*k - 2:3*k)
+            rows(k + 3, 4:6) = sign*g*joint%rot(i, 3*k - 2:3*k)
+         end do
+      end associate
+   end function rows_of_end
+
+   !> Largest eigenvalue of K^1/2 S K^1/2
+   real(wp) function eigenvalue(k, s) result(lambda)
+      real(wp), intent(in) :: k(6), s(6, 6)
+
+      real(wp) :: a(6, 6), root(6)
+
+      root = sqrt(k)
+      a = s*spread(root, 2, 6)*spread(root, 1, 6)
+      call largest_eigenvalue(6, a, lambda)
+   end function eigenvalue
+
+   !> The nodal rule: min over leads of sqrt(2 m/k_n), sqrt(2 I/k_r), as legacy_scheme.md 2 and 4.6
+   subroutine nodal_bound(model, c, state, h)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      real(wp), intent(out) :: h
+
+      type(joint_state_t) :: legacy
+      real(wp) :: kn(model%n_lead), kr(model%n_lead), st, sr
+      integer :: b, i, e, lead
+
+      kn = 0.0_wp
+      kr = 0.0_wp
+      do b = 1, size(model%batch)
+         call new_joint_state(model%batch(b), legacy)
+         call start_stiffness(model%batch(b), legacy)
+         do i = 1, model%batch(b)%n
+            st = legacy%stiff(i, 1)
+            sr = legacy%stiff(i, 2) + st*sum((c%batch(b)%xl0(i, :) + state%joint(b)%q(i, 1:3))**2)
+            do e = 1, 2
+               lead = c%batch(b)%lead(i, e)
+               kn(lead) = kn(lead) + 2.0_wp*st
+               kr(lead) = kr(lead) + sr + 2.0_wp*st*sum(c%batch(b)%arm(i, 3*e - 2:3*e)**2)
+            end do
+         end do
+      end do
+      h = huge(1.0_wp)
+      do i = 1, model%n_lead
+         if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = min(h, sqrt(2.0_wp*model%mass(i)/kn(i)))
+         if (model%inertia(i) > 0.0_wp .and. kr(i) > 0.0_wp) h = min(h, sqrt(2.0_wp*model%inertia(i)/kr(i)))
+      end do
+   end subroutine nodal_bound
+
+   !> The exact limit 2/omega of the assembled scene; 0 when it has more than `most` dofs
+   subroutine exact_bound(model, c, state, bound, most, h)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+      integer, intent(in) :: most
+      real(wp), intent(out) :: h
+
+      real(wp), allocatable :: a(:, :)
+      real(wp) :: rows(6, 12), p(3, 3), lambda
+      integer :: b, i, j, e, k, at(2)
+
+      h = 0.0_wp
+      if (6*model%n_lead > most) return
+      allocate (a(6*model%n_lead, 6*model%n_lead), source=0.0_wp)
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            do e = 1, 2
+               at(e) = c%batch(b)%lead(i, e)
+               rows(:, 6*e - 5:6*e) = rows_of_end(c%batch(b), state, b, i, e)
+               p = body_matrix(state, at(e))
+               rows(:, 6*e - 5:6*e - 3) = rows(:, 6*e - 5:6*e - 3)*sqrt(c%im(at(e)))
+               rows(:, 6*e - 2:6*e) = matmul(rows(:, 6*e - 2:6*e), p)*spread(sqrt(c%ii(at(e), :)), 1, 6)
+            end do
+            do k = 1, 6
+               rows(k, :) = rows(k, :)*sqrt(bound%k(k, j))
+            end do
+            do e = 1, 2
+               do k = 1, 2
+                  associate (block => a(6*at(e) - 5:6*at(e), 6*at(k) - 5:6*at(k)))
+                     block = block + matmul(transpose(rows(:, 6*e - 5:6*e)), rows(:, 6*k - 5:6*k))
+                  end associate
+               end do
+            end do
+         end do
+      end do
+      call largest_eigenvalue(size(a, 1), a, lambda)
+      h = huge(1.0_wp)
+      if (lambda > 0.0_wp) h = 2.0_wp/sqrt(lambda)
+   end subroutine exact_bound
+
+end module kj_c_bound

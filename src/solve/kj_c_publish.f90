@@ -1,0 +1,204 @@
+!> Consistent state -> the arrays that sampling reads, all at time t.
+module kj_c_publish
+   use kj_kinds, only: wp
+   use kj_math3, only: cross, rotation_vector
+   use kj_model, only: model_t
+   use kj_skew, only: skew_axes
+   use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
+   use kj_c_batch, only: CHART_UNIVERSAL
+   use kj_c_force, only: joint_rates
+   use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_body, only: spin_velocity
+   use kj_c_hold, only: body_matrix, held_force
+   use kj_c_step, only: place_node, field_at
+   use kj_c_advance, only: march_t
+   implicit none
+   private
+
+   public :: publish
+
+contains
+
+   !> Fill what a row of the history needs
+   subroutine publish(model, c, march, cs, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(march_t), intent(in) :: march
+      type(c_state_t), intent(inout) :: cs
+      type(state_t), intent(inout) :: state
+
+      state%staggered = .false.
+      state%cycle = cs%cycle
+      state%time = cs%time
+      state%h2 = cs%h
+      if (cs%cycle == 0) state%h2 = march%limit
+      state%work = cs%work
+      state%ledger_error = cs%error
+      call spin_velocity(c, cs%poses%quat, cs%l, 1, model%n_lead, cs%poses%w)
+      cs%poses%v = cs%v
+      call publish_leads(model, c, cs, state)
+      call publish_nodes(model, c, cs, state)
+      call publish_joints(model, c, cs, state)
+      call publish_owner(model, march, state)
+   end subroutine publish
+
+   subroutine publish_owner(model, march, state)
+      type(model_t), intent(in) :: model
+      type(march_t), intent(in) :: march
+      type(state_t), intent(inout) :: state
+
+      integer :: j
+
+      state%owner_kind = OWNER_NONE
+      state%owner = 0
+      if (march%joint == 0) return
+      do j = 1, model%n_joint
+         if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= march%joint) cycle
+         state%owner_kind = OWNER_JOINT
+         state%owner = j
+      end do
+   end subroutine publish_owner
+
+   subroutine publish_leads(model, c, cs, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: cs
+      type(state_t), intent(inout) :: state
+
+      real(wp) :: p(3, 3), f(3), t(3), w(3), l(3)
+      integer :: i
+
+      associate (n => model%n_lead)
+         state%world%x(:n, :) = cs%poses%x
+         state%world%w = cs%poses%w
+         state%world%skew = cs%skew
+         state%v(:n, :) = cs%v
+         state%d(:n, :) = cs%d
+         state%f = cs%f - cs%own_f
+         state%m = cs%t - cs%own_t
+         state%f_own = cs%own_f
+         state%m_own = cs%own_t
+      end associate
+      do i = 1, model%n_lead
+         f = cs%f(i, :)
+         w = cs%poses%w(i, :)
+         l = cs%l(i, :)
+         t = cs%t(i, :) - cross(w, l)
+         if (c%hold_of(i) > 0) call held_force(c, cs, c%hold_of(i), f, t)
+         state%a(i, :) = c%im(i)*f
+         p = body_matrix(cs, i)
+         state%al(i, :) = matmul(p, c%ii(i, :)*matmul(t, p))
+         if (i > model%n_body) cycle
+         state%p(i, :) = reshape(matmul(p, matmul(transpose(reshape(c%axes0(i, :), [3, 3])), &
+            reshape(model%axes(i, :), [3, 3]))), [9])
+      end do
+      state%impulse = cs%impulse
+      state%angular_impulse = cs%angular_impulse
+      state%rotation_sum = cs%turn
+   end subroutine publish_leads
+
+   !> Secondary nodes of the history and of its skews from the poses
+   subroutine publish_nodes(model, c, cs, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: cs
+      type(state_t), intent(inout) :: state
+
+      integer :: k, s, i
+
+      do k = 1, size(model%th_node)
+         call publish_node(model, c, cs, model%th_node(k), state)
+         s = model%th_node_skew(k)
+         if (s == 0) cycle
+         if (model%skews%dir(s) == 0) cycle
+         do i = 1, 3
+            call publish_node(model, c, cs, model%skews%node(i, s), state)
+         end do
+         state%world%skew(s, :) = axes_now(model, state, s)
+      end do
+   end subroutine publish_nodes
+
+   pure function axes_now(model, state, s) result(axes)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+      integer, intent(in) :: s
+      real(wp) :: axes(9)
+
+      associate (node => model%skews%node(:, s), x => state%world%x)
+         axes = skew_axes(model%skews%dir(s), x(node(1), :), x(node(2), :), x(node(3), :))
+      end associate
+   end function axes_now
+
+   subroutine publish_node(model, c, cs, node, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: cs
+      integer, intent(in) :: node
+      type(state_t), intent(inout) :: state
+
+      real(wp) :: r(3), r0(3)
+      integer :: lead
+
+      lead = model%lead(node)
+      if (node == lead) return
+      r = place_node(model, c, cs, node) - cs%poses%x(lead, :)
+      r0 = model%x0(node, :) - model%x0(lead, :)
+      state%world%x(node, :) = cs%poses%x(lead, :) + r
+      state%d(node, :) = cs%d(lead, :) + (r - r0)
+      state%v(node, :) = cs%v(lead, :) + cross(cs%poses%w(lead, :), r)
+   end subroutine publish_node
+
+   subroutine publish_joints(model, c, cs, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: cs
+      type(state_t), intent(inout) :: state
+
+      integer :: b, j
+
+      do b = 1, size(c%batch)
+         associate (joint => cs%joint(b), out => state%joint(b))
+            out%q = joint%q
+            out%f = joint%fe + joint%fd
+            out%e = joint%e
+            out%energy = joint%elastic + joint%dissipated
+            call joint_rates(c%batch(b), cs%poses, joint, out%qdot)
+            do j = 1, c%batch(b)%n
+               state%ortho(c%batch(b)%first + j) = 0.0_wp
+               if (c%batch(b)%chart == CHART_UNIVERSAL) &
+                  state%ortho(c%batch(b)%first + j) = abs(asin(max(-1.0_wp, min(1.0_wp, joint%ortho(j)))))
+            end do
+         end associate
+      end do
+      call add_looseness(model, c, cs, state)
+   end subroutine publish_joints
+
+   !> Turn of a loose skew away from the triad that its joint end carries
+   subroutine add_looseness(model, c, cs, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: cs
+      type(state_t), intent(inout) :: state
+
+      real(wp) :: now(3, 3), then(3, 3), p(3, 3)
+      integer :: k, i, j, s, lead
+
+      do k = 1, size(c%loose, 2)
+         j = c%loose(1, k)
+         associate (ref => model%joint(j))
+            s = model%batch(ref%batch)%skew(ref%place, c%loose(2, k))
+            lead = model%batch(ref%batch)%lead(ref%place, c%loose(2, k))
+            do i = 1, 3
+               call publish_node(model, c, cs, model%skews%node(i, s), state)
+            end do
+            now = reshape(axes_now(model, state, s), [3, 3])
+            p = matmul(body_matrix(cs, lead), transpose(reshape(c%axes0(lead, :), [3, 3])))
+            then = matmul(p, reshape(model%skews%axes(s, :), [3, 3]))
+            associate (o => state%ortho(model%batch(ref%batch)%first + ref%place))
+               o = max(o, norm2(rotation_vector(matmul(transpose(then), now))))
+            end associate
+         end associate
+      end do
+   end subroutine add_looseness
+
+end module kj_c_publish

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""Check what README.md and docs/ show: Python snippets run, links lead somewhere, plots are drawn.
+
+usage: test_documents.py KJOINT WORK_DIR     (needs what the snippets and tools/plot_history.py need)
+"""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).parents[2]
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PLOT = ROOT / "tools" / "plot_history.py"
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+
+def run(words, work):
+    return subprocess.run(words, cwd=work, capture_output=True, text=True, check=False)
+
+
+def snippets(work):
+    """Python blocks that fail in a folder that holds slider_crank.h5."""
+    for document in DOCUMENTS:
+        for code in re.findall(r"```python\n(.*?)```", document.read_text(), re.S):
+            done = run([sys.executable, "-c", code], work)
+            if done.returncode != 0 or not done.stdout:
+                yield f"{document.name}: a snippet fails or says nothing\n{code}{done.stderr}"
+
+
+def links():
+    """Links to files that do not exist."""
+    for document in DOCUMENTS:
+        for target in re.findall(r"\]\(([^)#:]+)\)", document.read_text()):
+            if not (document.parent / target).exists():
+                yield f"{document.name}: no file {target}"
+
+
+def plots(work):
+    """Plots that are not drawn, and wrong names that are not refused."""
+    for channels in ([], ["energy_error"], ["rigid_body/position[piston].x", "joint/force.norm"],
+                     ["joint/displacement[904]", "rigid_body/orientation[rod]", "joint/length"]):
+        picture = work / "plot.png"
+        picture.unlink(missing_ok=True)
+        done = run([sys.executable, PLOT, "slider_crank.h5", "-o", picture, *channels], work)
+        if done.returncode != 0 or not picture.read_bytes().startswith(SIGNATURE):
+            yield f"no plot of {channels}\n{done.stderr}"
+    for wrong in ("joint/forse", "joint", "joint/force[knee]", "joint/force.w"):
+        done = run([sys.executable, PLOT, "slider_crank.h5", "-o", picture, wrong], work)
+        if done.returncode == 0 or not done.stderr.startswith("plot_history.py: "):
+            yield f"{wrong} is not refused\n{done.stderr}"
+
+
+def main(kjoint, folder):
+    work = pathlib.Path(folder)
+    work.mkdir(parents=True, exist_ok=True)
+    os.environ["MPLCONFIGDIR"] = str(work)
+    deck = ROOT / "decks" / "slider_crank_0000.rad"
+    program = pathlib.Path(kjoint).resolve()
+    subprocess.run([program, "run", "-q", deck], cwd=work, check=True)
+    problems = [*snippets(work), *links(), *plots(work)]
+    print("\n".join(problems) or "all snippets, links and plots are well")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]) if len(sys.argv) == 3 else __doc__)

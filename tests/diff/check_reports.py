@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Check what `kjoint diff` and `kjoint convert` give other programs: JSON, JUnit, HDF5, exit codes.
+
+usage: check_reports.py KJOINT      (needs numpy and h5py; exit 1 and a line at the first failure)
+"""
+import gzip
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+import h5py
+import numpy as np
+
+from t01_writer import GLOBALS, write_t01
+
+N, CHANGED_ROW = 50, 20
+
+
+class Failure(Exception):
+    """A claim that does not hold."""
+
+
+def claim(condition, text):
+    if not condition:
+        raise Failure(text)
+
+
+def make_files(folder):
+    """A history, the same with one number changed by 1e-5 of its peak, the same packed."""
+    time = np.linspace(0, 1, N)
+    columns = {code: (1 + code) * np.cos(time) for code in GLOBALS}
+    write_t01(folder / "AT01", time, columns)
+    columns[4] = columns[4].copy()
+    columns[4][CHANGED_ROW] += 1e-5 * 5
+    write_t01(folder / "BT01", time, columns)
+    (folder / "AT01.gz").write_bytes(gzip.compress((folder / "AT01").read_bytes()))
+    return time
+
+
+def run(kjoint, folder, *words):
+    done = subprocess.run([kjoint, *words], cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def check_verdicts(kjoint, folder):
+    for run_file, code, begin in (("AT01", 0, "SAME: 10 channels"),
+                                  ("AT01.gz", 0, "SAME: 10 channels"),
+                                  ("BT01", 1, "DIFFERENT: 1 of 10 channels, worst momentum_y ")):
+        status, out, _ = run(kjoint, folder, "diff", "AT01", run_file)
+        last = out.rstrip("\n").split("\n")[-1]
+        claim(status == code, f"diff AT01 {run_file}: exit {status}, not {code}")
+        claim(last.startswith(begin), f"diff AT01 {run_file}: last line {last!r}")
+    claim(run(kjoint, folder, "diff", "AT01", "missing")[0] == 3, "a missing file is exit 3")
+    claim(run(kjoint, folder, "diff", "AT01", "AT01", "--profile", "no")[0] == 2,
+          "a profile that does not exist is exit 2")
+    (folder / "text").write_text("no time history\n", encoding="utf-8")
+    claim(run(kjoint, folder, "diff", "AT01", "text")[0] == 3, "a text is exit 3")
+
+
+def check_json(kjoint, folder, time):
+    status, out, _ = run(kjoint, folder, "diff", "AT01", "BT01", "--json", "--metrics", "max,nrmse")
+    result = json.loads(out)
+    claim(status == 1 and result["verdict"] == "DIFFERENT", "json: verdict")
+    claim(result["channels"] == 10 and result["different"] == 1, "json: counts")
+    claim(result["samples_compared"] == N, "json: samples")
+    channel = {c["name"]: c for c in result["channel"]}["momentum_y"]
+    claim(channel["different"] and channel["beyond"] == 1, "json: the channel that differs")
+    claim(abs(channel["difference"] - 5e-5) < 1e-15, "json: the difference")
+    claim(channel["time"] == time[CHANGED_ROW], "json: its time")
+    claim(abs(channel["metrics"]["max"][0] - 5e-5) < 1e-15, "json: max")
+    expected = 5e-5 / np.sqrt(N) / (5 - 5 * np.cos(1))
+    claim(abs(channel["metrics"]["nrmse"][0] / expected - 1) < 1e-9, "json: nrmse")
+
+
+def check_junit(kjoint, folder):
+    run(kjoint, folder, "diff", "AT01", "BT01", "--junit", "result.xml")
+    suite = ElementTree.parse(folder / "result.xml").getroot()
+    claim(suite.tag == "testsuite", "junit: the root")
+    claim(suite.get("tests") == "10" and suite.get("failures") == "1", "junit: counts")
+    failed = [case.get("name") for case in suite if case.find("failure") is not None]
+    claim(failed == ["momentum_y"], f"junit: failed {failed}")
+
+
+def check_convert(kjoint, folder, time):
+    status, _, err = run(kjoint, folder, "convert", "AT01", "-o", "A.h5")
+    claim(status == 0, f"convert: exit {status} {err}")
+    with h5py.File(folder / "A.h5", "r") as file:
+        claim(np.array_equal(file["time"][:], time), "convert: time")
+        for code, name in GLOBALS.items():
+            claim(np.array_equal(file[name][:], (1 + code) * np.cos(time)), f"convert: {name}")
+    status, out, _ = run(kjoint, folder, "diff", "AT01", "A.h5", "--profile", "exact")
+    claim(status == 0, f"diff of a file with its conversion: {out}")
+
+
+def main(kjoint):
+    kjoint = pathlib.Path(kjoint).resolve()
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        time = make_files(folder)
+        try:
+            check_verdicts(kjoint, folder)
+            check_json(kjoint, folder, time)
+            check_junit(kjoint, folder)
+            check_convert(kjoint, folder, time)
+        except Failure as failure:
+            print(f"{sys.argv[0]}: {failure}")
+            return 1
+    print("reports are as agreed")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]) if len(sys.argv) == 2 else __doc__)

@@ -1,0 +1,36 @@
+"""Writes Radioss time histories of type /TFILE/1 that hold globals alone, for the tests here."""
+import struct
+
+import numpy as np
+
+# Global variables of a T01 that kjoint has channels for: code and name of the channel
+GLOBALS = {1: "internal_energy", 2: "kinetic_energy_trans", 3: "momentum_x", 4: "momentum_y",
+           5: "momentum_z", 6: "mass", 7: "time_step", 8: "kinetic_energy_rot",
+           9: "external_work"}
+
+
+def record(payload):
+    """A record of a Fortran unformatted file."""
+    length = struct.pack("<i", len(payload))
+    return length + payload + length
+
+
+def title(text, length):
+    """A title: each group of 4 characters fills 8 bytes."""
+    text = text.ljust(length).encode()
+    return b"".join(text[i:i + 4] + b"    " for i in range(0, length, 4))
+
+
+def ints(*values):
+    return struct.pack(f"<{len(values)}i", *values)
+
+
+def write_t01(path, time, columns):
+    """Write curves: `columns` maps codes of globals to arrays like `time`."""
+    codes = sorted(columns)
+    data = [record(ints(3040) + title("curves", 80)), record(title("", 80)),
+            record(ints(0, 0, 0, 0, 0, len(codes))), record(ints(*codes))]
+    for i, t in enumerate(time):
+        data.append(record(struct.pack("<d", t)))
+        data.append(record(np.array([columns[c][i] for c in codes], "<f8").tobytes()))
+    path.write_bytes(b"".join(data))
