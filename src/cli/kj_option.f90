@@ -40,11 +40,11 @@ module kj_option
       command_t(CMD_VERSION, '--version', '',                                   0, 0, &
                 'print the version')]
 
-   integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, OPT_UNTIL = 4, &
-      OPT_SAMPLE = 5, OPT_DT_SCALE = 6, OPT_ENERGY_LIMIT = 7, OPT_IGNORE = 8, &
-      OPT_REPRODUCIBLE = 9, OPT_QUIET = 10, OPT_VERBOSE = 11, OPT_JSON = 12, &
-      OPT_PROFILE = 13, OPT_RTOL = 14, OPT_INTERP = 15, OPT_WINDOW = 16, OPT_METRICS = 17, &
-      OPT_JUNIT = 18
+   integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, &
+      OPT_FORMULATION = 4, OPT_INTEGRATOR = 5, OPT_DT_RULE = 6, OPT_DT_SCALE = 7, &
+      OPT_UNTIL = 8, OPT_SAMPLE = 9, OPT_ENERGY_LIMIT = 10, OPT_IGNORE = 11, &
+      OPT_REPRODUCIBLE = 12, OPT_QUIET = 13, OPT_VERBOSE = 14, OPT_JSON = 15, OPT_PROFILE = 16, &
+      OPT_RTOL = 17, OPT_INTERP = 18, OPT_WINDOW = 19, OPT_METRICS = 20, OPT_JUNIT = 21
 
    !> One option of one command or more
    type :: option_t
@@ -63,15 +63,21 @@ module kj_option
       option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run', &
                'the starter deck, as Radioss users type it'), &
       option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run', &
-               'the numerical scheme of Radioss, step by step'), &
+               'the scheme of Radioss, cycle by cycle: legacy, legacy, nodal'), &
+      option_t(OPT_FORMULATION,  '',   '--formulation',       'NAME',   'run', &
+               'of the joints: consistent (default) or legacy'), &
+      option_t(OPT_INTEGRATOR,   '',   '--integrator',        'NAME',   'run', &
+               'of the bodies: split2 (default), or legacy with that formulation'), &
+      option_t(OPT_DT_RULE,      '',   '--dt-rule',           'NAME',   'run', &
+               'critical time step: safe (default), or nodal as Radioss has it'), &
+      option_t(OPT_DT_SCALE,     '',   '--dt-scale',          'S',      'run', &
+               'fraction of the critical time step; default: that of /DT, or 0.9'), &
       option_t(OPT_UNTIL,        '',   '--until',             'T',      'run', &
                'end of the run, instead of that of the engine deck'), &
       option_t(OPT_SAMPLE,       '',   '--sample',            'DT',     'run', &
                'interval of the samples, instead of /TFILE; 0: every cycle'), &
-      option_t(OPT_DT_SCALE,     '',   '--dt-scale',          'S',      'run', &
-               'fraction of the critical time step, instead of that of /DT'), &
       option_t(OPT_ENERGY_LIMIT, '',   '--energy-limit',      'PCT',    'run', &
-               'stop with exit code 1 when the energy error passes this'), &
+               'stop with exit code 1 beyond this error; default 15, legacy: none'), &
       option_t(OPT_IGNORE,       '',   '--ignore-unsupported', '',      'run', &
                'warn about keywords out of scope instead of stopping'), &
       option_t(OPT_REPRODUCIBLE, '',   '--reproducible',      '',       'run', &

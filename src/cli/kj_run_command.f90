@@ -1,11 +1,11 @@
 !> `kjoint run`: options in, run, summary out.
 module kj_run_command
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, fail, str, add_finding, ERR_INPUT, ERR_FILE, &
-      SEV_NOTE
+   use kj_error, only: error_t, finding_list_t, fail, str, add_finding, ERR_INPUT, ERR_FILE
    use kj_system, only: wall_clock
-   use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_LEGACY, OPT_UNTIL, OPT_SAMPLE, &
-      OPT_DT_SCALE, OPT_ENERGY_LIMIT, OPT_IGNORE, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_LEGACY, OPT_FORMULATION, &
+      OPT_INTEGRATOR, OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, OPT_DT_SCALE, OPT_ENERGY_LIMIT, &
+      OPT_IGNORE, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
@@ -51,7 +51,6 @@ contains
          if (engine == '') call check_end(args, error)
       end if
       if (.not. allocated(error)) then
-         if (.not. args%given(OPT_LEGACY)) call say_only_legacy(findings)
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
       end if
       if (.not. args%given(OPT_JSON)) call print_findings(findings, may_colour(STDERR), &
@@ -65,6 +64,8 @@ contains
          call print_json(outcome, findings, error)
          return
       end if
+      call print_findings(outcome%status%warnings, may_colour(STDERR), args%given(OPT_VERBOSE), &
+         args%given(OPT_QUIET))
       if (allocated(error)) call print_failure(error, may_colour(STDERR))
       if (.not. args%given(OPT_QUIET) .and. allocated(outcome%verdict)) call print_summary(outcome)
    end subroutine run_command
@@ -105,6 +106,15 @@ contains
       type(run_options_t), intent(out) :: options
       type(error_t), allocatable, intent(out) :: error
 
+      if (args%given(OPT_FORMULATION)) options%formulation = args%value(OPT_FORMULATION)%s
+      if (args%given(OPT_INTEGRATOR)) options%integrator = args%value(OPT_INTEGRATOR)%s
+      if (args%given(OPT_DT_RULE)) options%dt_rule = args%value(OPT_DT_RULE)%s
+      if (args%given(OPT_LEGACY)) then
+         if (args%given(OPT_FORMULATION) .and. options%formulation /= 'legacy') call fail(error, &
+            ERR_INPUT, '--legacy does not go with --formulation '//args%value(OPT_FORMULATION)%s)
+         options%formulation = 'legacy'
+      end if
+      if (allocated(error)) return
       options%ignore_unsupported = args%given(OPT_IGNORE)
       call option_real(args, OPT_UNTIL, 0.0_wp, options%until, error)
       if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%sample, error)
@@ -113,18 +123,6 @@ contains
       if (.not. allocated(error)) &
          call option_real(args, OPT_ENERGY_LIMIT, 0.0_wp, options%energy_limit, error)
    end subroutine take_options
-
-   !> Until the consistent formulation exists
-   subroutine say_only_legacy(findings)
-      type(finding_list_t), intent(inout) :: findings
-
-      type(error_t), allocatable :: note
-
-      call fail(note, ERR_INPUT, 'only the legacy formulation exists so far: it is used')
-      note%severity = SEV_NOTE
-      note%hint = '--legacy asks for it by name'
-      call add_finding(findings, note)
-   end subroutine say_only_legacy
 
    !> The run itself
    subroutine advance(sim, args, command_line, outcome, error)
@@ -220,8 +218,12 @@ contains
 
       type(finding_list_t) :: all_findings
       character(len=:), allocatable :: json
+      integer :: i
 
       all_findings = findings
+      do i = 1, outcome%status%warnings%n
+         call add_finding(all_findings, outcome%status%warnings%item(i))
+      end do
       if (allocated(error)) call add_finding(all_findings, error)
       json = '{'//json_member('exit_code', str(outcome%code))
       if (allocated(outcome%verdict)) then

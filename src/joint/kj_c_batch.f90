@@ -41,7 +41,7 @@ module kj_c_batch
       real(wp), allocatable :: dir(:, :)         !! (n, 9) force of each unit translation, W
       real(wp), allocatable :: m1(:, :), m2(:, :)   !! (n, 9) moments on leads 1, 2 of each
       real(wp), allocatable :: rot(:, :)         !! (n, 9) moment on body 1 of each unit damping moment
-      real(wp), allocatable :: qd(:, :)          !! (n, 6) rates with the predicted velocities
+      real(wp), allocatable :: qd(:, :)          !! (n, 6) rates with the velocities of the half step
       real(wp), allocatable :: ortho(:)          !! (n) e2.e3 of a universal frame
    end type c_joint_t
 

@@ -12,7 +12,7 @@ module kj_c_force
    implicit none
    private
 
-   public :: poses_t, add_springs, add_dampers, joint_rates
+   public :: poses_t, add_springs, add_dampers, count_damping, joint_rates
 
    integer, parameter, public :: N_C_WRENCH = 9   !! force on end 1, moment about lead 1, about lead 2
 
@@ -28,8 +28,8 @@ module kj_c_force
 
 contains
 
-   !> Pass 1 for joints lo..hi: coordinates, B, spring forces, spring work; wrench of the springs and
-   !> of the dampers as they were
+   !> Pass 1 for joints lo..hi: coordinates, B, spring forces, spring work, rates with the velocities
+   !> of the half step; wrench of the springs and of the dampers as they were
    pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
@@ -53,10 +53,6 @@ contains
                change = q(i, k) - joint%q(from + i - 1, k)
                joint%elastic(from + i - 1) = joint%elastic(from + i - 1) + &
                   0.5_wp*change*(f(i, k) + joint%fe(from + i - 1, k))
-               if (batch%chart == CHART_VECTOR .and. k > 3) change = &
-                  turned(batch, poses, joint%rot(from + i - 1, 3*k - 11:3*k - 9), rot_d(i, 3*k - 11:3*k - 9), &
-                  from + i - 1)
-               joint%qd(from + i - 1, k) = change
             end do
          end do
          joint%q(from:to, :) = q(:n, :)
@@ -69,21 +65,12 @@ contains
          joint%ortho(from:to) = ortho(:n)
          call put_wrench(n, .false., f, dir, m1, m2, rot, wrench(:, batch%first + from:))
          if (.not. batch%damped) cycle
+         call rates(batch, poses, from, n, dir, m1, m2, rot_d, q)
+         joint%qd(from:to, :) = q(:n, :)
          f(:n, :) = joint%fd(from:to, :)
          call put_wrench(n, .true., f, dir, m1, m2, rot_d, wrench(:, batch%first + from:))
       end do
    end subroutine add_springs
-
-   !> Turn of end 2 relative to end 1 in the last step, along an axis of the frame: E^T (psi2 - psi1)
-   pure real(wp) function turned(batch, poses, old_axis, new_axis, j) result(change)
-      type(c_batch_t), intent(in) :: batch
-      type(poses_t), intent(in) :: poses
-      real(wp), intent(in) :: old_axis(3), new_axis(3)
-      integer, intent(in) :: j
-
-      change = 0.5_wp*dot_product(old_axis + new_axis, poses%psi(batch%lead(j, 2), :) - &
-         poses%psi(batch%lead(j, 1), :))
-   end function turned
 
    !> Coordinates and B of a block; q holds the last coordinates on entry
    pure subroutine coordinates(batch, poses, from, n, q, e, dir, m1, m2, rot, rot_d, ortho)
@@ -228,8 +215,8 @@ contains
       end do
    end subroutine put_wrench
 
-   !> Pass 2 for joints lo..hi: damping forces from the predicted velocities, and their work; wrench
-   !> of what they change.
+   !> Pass 2 for joints lo..hi: damping forces from the predicted velocities, and the energy that the
+   !> second half kick takes with them; wrench of what they change.
    !>
    !> (1 + h/2 C S) (f - f_old) = C B v* - f_old, S = B M^-1 B^T with each body's inverse mass times
    !> its number of joints; for a curve C is its slope at B v* where that is positive. h = 0: f = C B v.
@@ -266,14 +253,39 @@ contains
          call put_wrench(n, .false., f, dir, m1, m2, rot, wrench(:, batch%first + from:))
          do k = 1, NDOF
             do i = 1, n
-               joint%dissipated(from + i - 1) = joint%dissipated(from + i - 1) + &
-                  (joint%fd(from + i - 1, k) + 0.5_wp*f(i, k))*joint%qd(from + i - 1, k)
                joint%fd(from + i - 1, k) = joint%fd(from + i - 1, k) + f(i, k)
-               joint%qd(from + i - 1, k) = rate(i, k)
+               joint%dissipated(from + i - 1) = joint%dissipated(from + i - 1) + &
+                  0.5_wp*h*joint%fd(from + i - 1, k)*joint%qd(from + i - 1, k)
             end do
          end do
       end do
    end subroutine add_dampers
+
+   !> Energy that the dampers of joints lo..hi take in the first half kick: h/2 f.B v, v after it
+   pure subroutine count_damping(batch, poses, h, lo, hi, joint)
+      type(c_batch_t), intent(in) :: batch
+      type(poses_t), intent(in) :: poses
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(c_joint_t), intent(inout) :: joint
+
+      real(wp), dimension(BLOCK, 9) :: dir, m1, m2, rot
+      real(wp) :: rate(BLOCK, 6)
+      integer :: from, to, n, k
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         dir(:n, :) = joint%dir(from:to, :)
+         m1(:n, :) = joint%m1(from:to, :)
+         m2(:n, :) = joint%m2(from:to, :)
+         rot(:n, :) = joint%rot(from:to, :)
+         call rates(batch, poses, from, n, dir, m1, m2, rot, rate)
+         do k = 1, NDOF
+            joint%dissipated(from:to) = joint%dissipated(from:to) + 0.5_wp*h*joint%fd(from:to, k)*rate(:n, k)
+         end do
+      end do
+   end subroutine count_damping
 
    !> Rates of all joints of a batch with the velocities of the poses
    pure subroutine joint_rates(batch, poses, joint, rate)

@@ -138,6 +138,7 @@ contains
 
       blocks = blocks_of(deck, KW_ADMAS)
       do i = 1, size(blocks)
+         if (deck%block(blocks(i))%variant == 5) call add_node_masses(deck, blocks(i), draft, findings)
          if (deck%block(blocks(i))%variant > 1) cycle
          call read_cards(deck, blocks(i), cards, findings)
          call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0668', findings, nodes)
@@ -148,6 +149,30 @@ contains
          draft%mass(nodes) = draft%mass(nodes) + mass
       end do
    end subroutine build_masses
+
+   !> Masses of single nodes: /ADMAS/5
+   subroutine add_node_masses(deck, block, draft, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block
+      type(draft_t), intent(inout) :: draft
+      type(finding_list_t), intent(inout) :: findings
+
+      type(rows_t) :: rows
+      integer :: i, node
+
+      call read_rows(deck, block, rows, findings)
+      do i = 1, rows%n
+         node = find(draft%node, rows%ints(i, 1))
+         if (node == 0) then
+            call report_row(deck, block, rows, i, 'node_id', SEV_ERROR, 'KJ-0078', 'node '// &
+               str(rows%ints(i, 1))//' is not defined', 'no such node', findings)
+            cycle
+         end if
+         if (rows%reals(i, 1) < 0.0_wp) call report_row(deck, block, rows, i, 'mass', SEV_WARNING, &
+            'KJ-0476', 'the added mass is negative', 'less than zero', findings)
+         draft%mass(node) = draft%mass(node) + rows%reals(i, 1)
+      end do
+   end subroutine add_node_masses
 
    !> Fixed and moving skews, and fixed frames for /INIVEL/AXIS
    subroutine build_skews(deck, draft, findings)

@@ -124,10 +124,28 @@ contains
                call drive(n, b, u, drives, first, before(4:6, i), inverse_inertia(c, state, lead), &
                   state%l(lead, :), power)
                state%work = state%work + power
+               if (first .and. n == 1) call lean_back(c, state, lead, b, u)
             end if
          end associate
       end do
    end subroutine project
+
+   !> A lead with two free axes: start the drift with half of the rate that its free rotation will
+   !> build up along the held axis, with the other sign, so that the mean over the step is u
+   subroutine lean_back(c, state, lead, b, u)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(inout) :: state
+      integer, intent(in) :: lead
+      real(wp), intent(in) :: b(3, 3), u(3)
+
+      real(wp) :: g(3, 3), w(3), back(3), power
+
+      g = inverse_inertia(c, state, lead)
+      w = matmul(g, state%l(lead, :))
+      back = u
+      back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), matmul(g, cross(w, state%l(lead, :))))
+      call drive(1, b, back, [.false., .false., .false.], .true., u, g, state%l(lead, :), power)
+   end subroutine lean_back
 
    pure function unit_inverse(m) result(a)
       real(wp), intent(in) :: m
@@ -252,7 +270,7 @@ contains
 
    !> After the drift: leads with a single free axis e turn about it exactly, by h e.w; a lead with
    !> all axes held or driven turns with the driven velocity; with two free axes the plane rotations
-   !> stay and the angular momentum comes back onto its condition.
+   !> stay.
    subroutine hold_rotations(c, state, h, target, active, old, w)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
@@ -262,15 +280,13 @@ contains
       real(wp), intent(in) :: old(:, :)              !! (4, n_hold) attitudes before the drift
       real(wp), intent(in) :: w(:, :)                !! (3, n_hold) angular velocities during the step
 
-      real(wp) :: q(4), p(4), b(3, 3), u(3), power
+      real(wp) :: q(4), p(4), b(3, 3), u(3)
       logical :: drives(3)
       integer :: i, n, lead
 
       do i = 1, size(c%hold)
          lead = c%hold(i)%lead
          call rows_of(state, c%hold(i)%rot(:c%hold(i)%n_rot), target, active, b, u, drives, n)
-         if (n == 1) call drive(n, b, u, drives, .true., u, inverse_inertia(c, state, lead), &
-            state%l(lead, :), power)
          if (n < 2) cycle
          q = to_quaternion(rotation(h*w(:, i)))
          p = old(:, i)

@@ -7,7 +7,7 @@ module kj_c_step
    use kj_model, only: model_t, load_t, BY_TIME, BY_DISPLACEMENT
    use kj_skew, only: axis_of, move_skews
    use kj_assembly, only: lead_map_t
-   use kj_c_force, only: add_springs, add_dampers
+   use kj_c_force, only: add_springs, add_dampers, count_damping
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: kick, drift, spin_velocity, inverse_inertias
    use kj_c_hold, only: project, project_rates, hold_rotations, motion_targets
@@ -38,6 +38,10 @@ contains
       call project(model, c, state, mean, active, .true., before)
       call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       state%poses%psi = 0.5_wp*h*state%poses%w
+      state%poses%v = state%v
+      do i = 1, size(c%batch)
+         if (c%batch(i)%damped) call count_damping(c%batch(i), state%poses, h, 1, c%batch(i)%n, state%joint(i))
+      end do
       do i = 1, size(c%hold)
          old(:, i) = state%poses%quat(c%hold(i)%lead, :)
          w(:, i) = state%poses%w(c%hold(i)%lead, :)

@@ -96,6 +96,35 @@ class Run(Program):
         self.assertTrue((self.folder / "REV01.h5").exists())
         self.assertIn("NORMAL TERMINATION", self.kjoint("info", "REV01.h5").stdout)
 
+    def test_formulations_are_chosen_by_name(self):
+        plain = self.kjoint("run", "--json", "REV01_0000.rad", "-o", "a.h5")
+        self.kjoint("run", "-q", "REV01_0000.rad", "-o", "b.h5", "--formulation", "consistent",
+                    "--integrator", "split2", "--dt-rule", "safe")
+        self.kjoint("diff", "a.h5", "b.h5", "--profile", "exact")
+        # samples of the consistent formulation fall on their times, the end on Tstop
+        self.assertEqual(0.0199, json.loads(plain.stdout)["time"])
+        self.kjoint("run", "-q", "REV01_0000.rad", "-o", "c.h5", "--legacy")
+        self.kjoint("run", "-q", "REV01_0000.rad", "-o", "d.h5", "--formulation", "legacy")
+        self.kjoint("diff", "c.h5", "d.h5", "--profile", "exact")
+        self.kjoint("diff", "a.h5", "c.h5", code=1)
+
+    def test_names_that_do_not_go_together_are_refused(self):
+        for words in (["--legacy", "--formulation", "consistent"], ["--formulation", "new"],
+                      ["--integrator", "euler"], ["--dt-rule", "none"],
+                      ["--legacy", "--dt-rule", "safe"], ["--legacy", "--integrator", "split2"]):
+            self.kjoint("run", "REV01_0000.rad", *words, code=2)
+
+    def test_a_smaller_scale_takes_more_cycles(self):
+        cycles = [json.loads(self.kjoint("run", "--json", "REV01_0000.rad", "--dt-scale", scale)
+                             .stdout)["cycles"] for scale in ("0.8", "0.2")]
+        self.assertGreater(cycles[1], 3 * cycles[0])
+
+    def test_an_energy_limit_ends_a_run_with_exit_1(self):
+        done = self.kjoint("run", "--legacy", "REV01_0000.rad", "--energy-limit", "1e-9", code=1)
+        self.assertIn("energy", done.stderr)
+        self.assertIn("ERROR TERMINATION", done.stdout)
+        self.assertIn("ERROR", self.kjoint("info", "REV01.h5").stdout)
+
     def test_quiet_says_nothing(self):
         done = self.kjoint("run", "--legacy", "-q", "-i", "REV01_0000.rad", "-o", "a.h5")
         self.assertEqual(("", ""), (done.stdout, done.stderr))
@@ -230,13 +259,14 @@ class Errors(Program):
 
 
 class Signals(Program):
-    def long_run(self):
-        words = [KJOINT, "run", "--legacy", "REV01_0000.rad", "--until", "1e4", "--sample", "0.01"]
+    def long_run(self, formulation):
+        words = [KJOINT, "run", "--formulation", formulation, "REV01_0000.rad", "--until", "1e4",
+                 "--sample", "0.01"]
         return subprocess.Popen(words, cwd=self.folder, stdout=subprocess.PIPE,
                                 stderr=subprocess.DEVNULL, text=True)
 
-    def check(self, number, code):
-        run = self.long_run()
+    def check(self, formulation, number, code):
+        run = self.long_run(formulation)
         time.sleep(1.5)
         run.send_signal(number)
         said, _ = run.communicate(timeout=60)
@@ -245,10 +275,10 @@ class Signals(Program):
         self.assertIn("STOPPED BY USER", self.kjoint("info", "REV01.h5").stdout)
 
     def test_interrupt_closes_the_history(self):
-        self.check(signal.SIGINT, 130)
+        self.check("legacy", signal.SIGINT, 130)
 
     def test_terminate_closes_the_history(self):
-        self.check(signal.SIGTERM, 143)
+        self.check("consistent", signal.SIGTERM, 143)
 
 
 class Terminal(Program):

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Check what README.md and docs/ show: Python snippets run, links lead somewhere, plots are drawn.
+"""Check what README.md and docs/ show: snippets run, cards are those of a deck, links lead
+somewhere, plots are drawn.
 
-usage: test_documents.py KJOINT WORK_DIR     (needs what the snippets and tools/plot_history.py need)
+usage: test_documents.py KJOINT WORK_DIR     (needs all of tools/requirements.txt)
 """
 import os
 import pathlib
@@ -28,6 +29,14 @@ def snippets(work):
                 yield f"{document.name}: a snippet fails or says nothing\n{code}{done.stderr}"
 
 
+def cards():
+    """Cards in README.md that are not those of the slider-crank."""
+    deck = (ROOT / "decks" / "slider_crank_0000.rad").read_text()
+    for block in re.findall(r"```\n(/PROP.*?)```", (ROOT / "README.md").read_text(), re.S):
+        if block not in deck:
+            yield f"README.md: cards that no deck has\n{block}"
+
+
 def links():
     """Links to files that do not exist."""
     for document in DOCUMENTS:
@@ -52,14 +61,14 @@ def plots(work):
 
 
 def main(kjoint, folder):
-    work = pathlib.Path(folder)
+    work = pathlib.Path(folder).resolve()
     work.mkdir(parents=True, exist_ok=True)
     os.environ["MPLCONFIGDIR"] = str(work)
     deck = ROOT / "decks" / "slider_crank_0000.rad"
     program = pathlib.Path(kjoint).resolve()
     subprocess.run([program, "run", "-q", deck], cwd=work, check=True)
-    problems = [*snippets(work), *links(), *plots(work)]
-    print("\n".join(problems) or "all snippets, links and plots are well")
+    problems = [*snippets(work), *cards(), *links(), *plots(work)]
+    print("\n".join(problems) or "all snippets, cards, links and plots are well")
     return 1 if problems else 0
 
 

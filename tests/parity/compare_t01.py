@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Compare a history of kjoint with a Radioss time history of type /TFILE/1, channel by channel.
 
-usage: compare_t01.py CASET01 RUN.h5     (needs numpy and h5py; exit 1 when they differ)
+usage: compare_t01.py CASET01 RUN.h5 [TOLERANCE]   (needs numpy and h5py; exit 1 when they differ)
 
 A check that shares no code with kjoint. Every component of a vector channel lies within 1e-7 of
 the peak of the vector's norm in the T01 (a peak below 1e-6 of the largest of its class counts as
-that), times within 1e-9 relative, energies within 1e-6 of the largest kinetic + internal + |work|.
+that), times within 1e-9 relative, energies within 1e-6 of the largest kinetic + internal + |work|. TOLERANCE replaces 1e-7, energies
+keep ten times that, times stay.
 """
 import struct
 import sys
@@ -13,7 +14,8 @@ import sys
 import h5py
 import numpy as np
 
-VECTOR, ENERGY, TIME = 1e-7, 1e-6, 1e-9           # tolerances
+VECTOR, TIME = 1e-7, 1e-9                         # tolerances
+ENERGY = 10                                       # of energies, times that of vectors
 FLOOR = 1e-6                                      # smallest peak that counts, of its class's
 TITLE = {3040: 40, 3041: 80, 3050: 100, 4021: 100}
 NODE, SPRING, RBODY = 0, 6, 103
@@ -131,7 +133,7 @@ def read_h5(run, kind, name, n_comp):
     return {int(user_id): values[:, i].reshape(-1, n_comp) for i, user_id in enumerate(ids)}
 
 
-def compare(t01_path, h5_path):
+def compare(t01_path, h5_path, tolerance):
     """Yield lines (what, error / tolerance, place of the worst) of every channel."""
     times, ref = read_t01(t01_path)
     with h5py.File(h5_path, "r") as run:
@@ -165,15 +167,15 @@ def compare(t01_path, h5_path):
                 yield what + " is missing", np.inf, 0
                 continue
             peak = max(np.sqrt((old**2).sum(axis=1)).max(), FLOOR * largest[quantity])
-            limit = ENERGY * energy if quantity == "energy" else VECTOR * peak
+            limit = tolerance * (ENERGY * energy if quantity == "energy" else peak)
             off = np.abs(new - old).max(axis=1)
             off = np.where(off == 0, 0, off / max(limit, 1e-300))
             off[np.isnan(off)] = np.inf
             yield what, off.max(), off.argmax()
 
 
-def main(t01_path, h5_path):
-    found = sorted(compare(t01_path, h5_path), key=lambda line: -line[1])
+def main(t01_path, h5_path, tolerance=VECTOR):
+    found = sorted(compare(t01_path, h5_path, float(tolerance)), key=lambda line: -line[1])
     print("error/tolerance  sample  channel")
     for what, off, where in found[:20]:
         print(f"{off:15.3e}  {where:6d}  {what}")
@@ -185,4 +187,4 @@ def main(t01_path, h5_path):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2]) if len(sys.argv) == 3 else __doc__)
+    sys.exit(main(*sys.argv[1:]) if len(sys.argv) in (3, 4) else __doc__)
