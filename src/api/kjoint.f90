@@ -23,7 +23,7 @@ module kjoint
    !> What a run may be told; '' and 0 stand for the defaults
    type :: run_options_t
       character(len=12) :: formulation = ''  !! consistent (default) or legacy
-      character(len=12) :: integrator = ''   !! split2 (default of consistent) or legacy
+      character(len=12) :: integrator = ''   !! split2 (default of consistent), liemid, rkmk4; legacy
       character(len=12) :: dt_rule = ''      !! safe (default of consistent) or nodal
       real(wp) :: until = -1.0_wp            !! end of the run, time; negative: /RUN
       real(wp) :: sample = -1.0_wp           !! sample interval, time; negative: /TFILE

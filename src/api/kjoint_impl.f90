@@ -14,7 +14,7 @@ submodule (kjoint) kjoint_impl
    use kj_sample, only: new_sampler, sample_row
    use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
    use kj_c_build, only: build_c_model, new_c_state
-   use kj_c_advance, only: start_march, march, balance_ledger
+   use kj_c_advance, only: start_march, march, balance_ledger, SPLIT2, LIEMID, RKMK4
    use kj_c_publish, only: publish
    implicit none
 
@@ -52,8 +52,27 @@ contains
       end associate
       if (allocated(error)) return
       if (sim%legacy) call warn_legacy(sim%model, findings)
+      if (.not. sim%legacy) call refuse_limits(sim%model, error)
+      if (allocated(error)) return
       call describe(sim)
    end procedure load_simulation
+
+   !> What only the legacy formulation has of KJOINT2
+   subroutine refuse_limits(model, error)
+      type(model_t), intent(in) :: model
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: j
+
+      do j = 1, model%n_joint
+         associate (batch => model%batch(model%joint(j)%batch), place => model%joint(j)%place)
+            if (.not. batch%limited .and. all(abs(batch%angle0(place, :)) <= 0.0_wp)) cycle
+            call fail(error, ERR_INPUT, 'joint '//str(model%joint(j)%id)//' has stops, friction, a '// &
+               'lock, automatic stiffness or first angles: so far only --legacy runs these')
+            return
+         end associate
+      end do
+   end subroutine refuse_limits
 
    !> Formulation, integrator and time-step rule must go together
    subroutine check_options(sim, error)
@@ -71,8 +90,9 @@ contains
                ': consistent or legacy')
          else if (all(o%dt_rule /= ['nodal', 'safe '])) then
             call fail(error, ERR_INPUT, 'there is no time-step rule '//trim(o%dt_rule)//': safe or nodal')
-         else if (all(o%integrator /= ['split2', 'legacy'])) then
-            call fail(error, ERR_INPUT, 'there is no integrator '//trim(o%integrator)//': split2 or legacy')
+         else if (all(o%integrator /= ['split2', 'liemid', 'rkmk4 ', 'legacy'])) then
+            call fail(error, ERR_INPUT, 'there is no integrator '//trim(o%integrator)// &
+               ': split2, liemid, rkmk4 or legacy')
          else if (sim%legacy .neqv. o%integrator == 'legacy') then
             call fail(error, ERR_INPUT, 'the formulation '//trim(o%formulation)// &
                ' does not go with the integrator '//trim(o%integrator))
@@ -199,6 +219,9 @@ contains
 
       call build_c_model(sim%model, sim%c_model)
       call new_c_state(sim%model, sim%c_model, sim%c_state)
+      sim%march%integrator = SPLIT2
+      if (sim%options%integrator == 'liemid') sim%march%integrator = LIEMID
+      if (sim%options%integrator == 'rkmk4') sim%march%integrator = RKMK4
       sim%march%nodal = sim%options%dt_rule == 'nodal'
       sim%march%factor = sim%model%control%dt_factor
       sim%march%most = sim%model%control%dt_max

@@ -6,7 +6,7 @@ module kj_deck
    use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_KJOINT2, KW_INIVEL_AXIS
    use kj_fields, only: field_range
    use kj_deck_data, only: source_t, block_t, deck_t, line_text, place_of, title_of, block_units, &
-      report_header, add_deck_finding, header_end
+      report_header, add_deck_finding, header_end, mute_block
    use kj_scan, only: scan_deck
    use kj_once, only: cards_t, read_cards, int_of, text_of, report
    use kj_unit_codes, only: read_unit
@@ -197,7 +197,7 @@ contains
 
    !> Keywords whose cards are another matter in an old format version
    subroutine check_layouts(deck, findings)
-      type(deck_t), intent(in) :: deck
+      type(deck_t), intent(inout) :: deck
       type(finding_list_t), intent(inout) :: findings
 
       integer :: i
@@ -207,9 +207,11 @@ contains
             call report_header(deck, i, SEV_ERROR, 'KJ-9028', '/PROP/KJOINT2 had other cards '// &
                'before version 2019, which are not supported', 'the deck has version '// &
                str(deck%invers), findings, 'convert the property and raise the version in /BEGIN')
+            call mute_block(deck, i)
          else if (deck%block(i)%keyword == KW_INIVEL_AXIS .and. deck%version < 120) then
             call report_header(deck, i, SEV_ERROR, 'KJ-2046', '/INIVEL/AXIS needs version 120', &
                'the deck has version '//str(deck%invers), findings)
+            call mute_block(deck, i)
          end if
       end do
    end subroutine check_layouts

@@ -3,14 +3,14 @@
 !> A file is one string, a line is a pair of places in it: 1e6 lines cost four integers each.
 module kj_deck_data
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, add_at
+   use kj_error, only: finding_list_t, add_at, SEV_ERROR
    use kj_units, only: unit_system_t, dimensions, factor_of
    use kj_keywords, only: keywords, N_KEYWORD
    implicit none
    private
 
    public :: source_t, block_t, deck_t, line_text, place_of, title_of, title_line, block_units, &
-      block_factors, add_deck_finding, report_header, header_end, lengthen
+      block_factors, add_deck_finding, report_header, header_end, lengthen, mute_block
 
    !> A file in memory
    type :: source_t
@@ -28,6 +28,7 @@ module kj_deck_data
       integer :: unit_id = 0                    !! /UNIT of this block; 0 = input units
       integer :: header = 0                     !! line of the header
       integer :: first = 1, last = 0            !! its lines, title included; last < first: none
+      logical :: mute = .false.                 !! another layout: findings on its cards mean nothing
    end type block_t
 
    !> A starter deck with all included files
@@ -44,6 +45,7 @@ module kj_deck_data
       integer :: invers = 0                     !! format version of /BEGIN as typed
       integer :: version = 0                    !! format version that selects the layouts
       logical :: readable = .true.              !! .false.: further findings make no sense
+      logical :: has_mute = .false.             !! some block is mute
       type(unit_system_t) :: input, work        !! units of the cards, units of the run
       integer :: n_unit = 0
       integer, allocatable :: unit_id(:)        !! (n_unit) ids of /UNIT
@@ -131,7 +133,19 @@ contains
       end do
    end function block_factors
 
+   !> From now on findings that point at the cards of a block are dropped
+   subroutine mute_block(deck, block)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: block              !! index, 1 to n_block
+
+      deck%block(block)%mute = .true.
+      deck%has_mute = .true.
+   end subroutine mute_block
+
    !> Append a finding that points at columns of a line
+   !>
+   !> Where these columns have an error already nothing is added: what reads a wrong field as 0
+   !> would find that 0 wrong again. The same finding at the same place is added once.
    subroutine add_deck_finding(deck, line, first, last, severity, id, message, label, findings, &
       hint)
       type(deck_t), intent(in) :: deck
@@ -146,9 +160,54 @@ contains
       integer :: number
 
       call place_of(deck, line, file, number)
+      if (is_known(findings, id, file, number, first, last)) return
+      if (deck%has_mute) then
+         if (is_mute(deck, line)) return
+      end if
       call add_at(findings, severity, id, file, number, line_text(deck, line), first, last, &
          message, label, hint)
    end subroutine add_deck_finding
+
+   !> An error stands in these columns, or the same finding
+   pure logical function is_known(findings, id, file, number, first, last)
+      type(finding_list_t), intent(in) :: findings
+      character(len=*), intent(in) :: id, file
+      integer, intent(in) :: number, first, last
+
+      integer :: i
+
+      is_known = .true.
+      do i = findings%n, 1, -1
+         associate (item => findings%item(i))
+            if (item%line /= number .or. number == 0) cycle
+            if (item%first > last .or. item%last < first) cycle
+            if (item%severity /= SEV_ERROR .and. item%id /= id) cycle
+            if (item%file == file) return
+         end associate
+      end do
+      is_known = .false.
+   end function is_known
+
+   !> The line belongs to a mute block; blocks ascend in lines
+   pure logical function is_mute(deck, line)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line               !! index, 1 to n_line
+
+      integer :: lo, hi, middle
+
+      lo = 0
+      hi = deck%n_block
+      do while (lo < hi)
+         middle = (lo + hi + 1)/2
+         if (deck%block(middle)%header <= line) then
+            lo = middle
+         else
+            hi = middle - 1
+         end if
+      end do
+      is_mute = .false.
+      if (lo > 0) is_mute = deck%block(lo)%mute .and. line <= deck%block(lo)%last
+   end function is_mute
 
    !> Append a finding that points at the header of a block
    subroutine report_header(deck, block, severity, id, message, label, findings, hint)

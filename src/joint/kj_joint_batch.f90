@@ -14,7 +14,8 @@ module kj_joint_batch
    integer, parameter, public :: LAW_SPRING_CURVE = 4  !! tabulated elastic force
    integer, parameter, public :: LAW_DAMPER_CURVE = 8  !! tabulated damping force
 
-   integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kind of a batch: /PROP/TYPE33, TYPE45
+   integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kind of a batch: /PROP/TYPE33,
+                                                             !! TYPE45
 
    !> What a dof does, state%flag
    integer, parameter, public :: DOF_FREE = 0, DOF_SLIDING = 1, DOF_STICKING = 2, DOF_AT_STOP = 3, &
@@ -23,15 +24,19 @@ module kj_joint_batch
    !> Stops, friction, lock and automatic stiffness of a limited batch (KJOINT2 only).
    !>
    !> A stop 0 is no stop. Where a dof has friction its stop is the friction spring that may no
-   !> longer slide; where it has none the stop has stiffness k, or that of the blocked dofs if k = 0.
+   !> longer slide; where it has none the stop has stiffness k, or that of the blocked dofs if k =
+   !> 0.
    type :: limits_t
       real(wp), allocatable :: lo(:, :), hi(:, :)   !! (n, 6) stops, lo <= 0 <= hi
-      real(wp), allocatable :: combined(:, :)   !! (n, 6) 1 where the stop is shared with other dofs, else 0
+      real(wp), allocatable :: combined(:, :)   !! (n, 6) 1 where the stop is shared with other
+                                                !! dofs, else 0
       real(wp), allocatable :: k(:, :)          !! (n, 6) stiffness of friction or stop
-      real(wp), allocatable :: slip(:, :)       !! (n, 6) largest friction force, or scale of its curve
+      real(wp), allocatable :: slip(:, :)       !! (n, 6) largest friction force, or scale of its
+                                                !! curve
       integer, allocatable :: slip_curve(:, :)  !! (n, 6) curve of q, 0 = none
       real(wp), allocatable :: cr(:)            !! (n) critical damping ratio where a limit acts
-      real(wp), allocatable :: k_block(:, :)    !! (n, 2) stiffness of blocked translations, rotations
+      real(wp), allocatable :: k_block(:, :)    !! (n, 2) stiffness of blocked translations,
+                                                !! rotations
       logical, allocatable :: automatic(:)      !! (n) k_block comes from the first step
       real(wp), allocatable :: scale(:)         !! (n) SCF: scale of the automatic stiffness
       real(wp), allocatable :: t_lock(:), t_free(:)   !! (n) locked while t_lock < t <= t_free
@@ -40,7 +45,8 @@ module kj_joint_batch
    !> Constants of n joints; all in work units
    type :: joint_batch_t
       integer :: n = 0
-      integer :: first = 0                      !! index of joint 1 of the batch among all joints, less 1
+      integer :: first = 0                      !! index of joint 1 of the batch among all joints,
+                                                !! less 1
       integer :: row = 0                        !! row of kj_joint_types
       integer :: frame = 0                      !! FRAME_ constant
       integer :: law(NDOF) = 0                  !! LAW_ bits of each dof
@@ -52,12 +58,14 @@ module kj_joint_batch
       real(wp), allocatable :: xl0(:, :)        !! (n, 3) reference offset of node 2, J, length
       real(wp), allocatable :: frame0(:, :)     !! (n, 9) frame at the start, columns E1 E2 E3
       real(wp), allocatable :: k(:, :)          !! (n, 6) stiffness, or scale of the curve
-      real(wp), allocatable :: c(:, :)          !! (n, 6) linear damping, user plus critical; or scale of the curve
+      real(wp), allocatable :: c(:, :)          !! (n, 6) linear damping, user plus critical; or
+                                                !! scale of the curve
       real(wp), allocatable :: cr(:)            !! (n) critical damping ratio of the blocked dofs
       real(wp), allocatable :: reduced(:, :)    !! (n, 2) reduced mass, reduced inertia
       integer, allocatable :: k_curve(:, :)     !! (n, 6) curve index, 0 = none
       integer, allocatable :: c_curve(:, :)     !! (n, 6)
-      real(wp), allocatable :: k_top(:, :)      !! (n, 2) largest linear stiffness, translation and rotation
+      real(wp), allocatable :: k_top(:, :)      !! (n, 2) largest linear stiffness, translation and
+                                                !! rotation
       real(wp), allocatable :: c_top(:, :)      !! (n, 2) largest linear user damping
       real(wp), allocatable :: angle0(:, :)     !! (n, 3) rotation at the start, J [rad]
       type(limits_t) :: limit
@@ -70,7 +78,8 @@ module kj_joint_batch
       real(wp), allocatable :: f(:, :)          !! (n, 6) force and moment on node 1, J
       real(wp), allocatable :: energy(:)        !! (n) work done on the joint
       real(wp), allocatable :: qdot(:, :)       !! (n, 6) rates; only at samples
-      real(wp), allocatable :: stiff(:, :)      !! (n, 2) time-step stiffness, translation and rotation
+      real(wp), allocatable :: stiff(:, :)      !! (n, 2) time-step stiffness, translation and
+                                                !! rotation
       ! of limited batches only
       real(wp), allocatable :: k_block(:, :)    !! (n, 2) stiffness of blocked dofs at present
       real(wp), allocatable :: friction(:, :)   !! (n, 6) friction force, J
@@ -102,8 +111,8 @@ contains
 
       batch%limited = .true.
       associate (n => batch%n, l => batch%limit)
-         allocate (l%lo(n, NDOF), l%hi(n, NDOF), l%combined(n, NDOF), l%k(n, NDOF), l%slip(n, NDOF), &
-            l%cr(n), l%k_block(n, 2), l%scale(n), source=0.0_wp)
+         allocate (l%lo(n, NDOF), l%hi(n, NDOF), l%combined(n, NDOF), l%k(n, NDOF), &
+            l%slip(n, NDOF), l%cr(n), l%k_block(n, 2), l%scale(n), source=0.0_wp)
          allocate (l%slip_curve(n, NDOF), source=0)
          allocate (l%automatic(n), source=.false.)
          allocate (l%t_lock(n), l%t_free(n), source=huge(1.0_wp))

@@ -6,8 +6,10 @@ module kj_joint_force
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
    use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_FIRST
-   use kj_joint_batch, only: joint_batch_t, joint_state_t, KJOINT2, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_joint_frame, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross
+   use kj_joint_batch, only: joint_batch_t, joint_state_t, KJOINT2, LAW_SPRING_CURVE, &
+      LAW_DAMPER_CURVE
+   use kj_joint_frame, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, &
+      add_cross
    use kj_joint_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve, step_stiffness
    use kj_joint_limit, only: limited_laws
    implicit none
@@ -221,7 +223,8 @@ contains
             call add_damper_curve(n, curves, batch%c_curve(from:to, dof), batch%c(from:to, dof), &
                qdot(:, dof), f(:, dof), c_top(:, s))
          else
-            call add_spring_and_damper(n, zero, qdot(:, dof), zero, batch%c(from:to, dof), f(:, dof))
+            call add_spring_and_damper(n, zero, qdot(:, dof), zero, batch%c(from:to, dof), &
+               f(:, dof))
          end if
       end do
       if (.not. renew) return

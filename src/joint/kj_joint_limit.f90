@@ -30,7 +30,8 @@ contains
       type(joint_state_t), intent(inout) :: state
       real(wp), intent(out) :: f(BLOCK, NDOF)
 
-      real(wp) :: k_top(BLOCK, 2), c_top(BLOCK, 2), k_eff(BLOCK), cr(BLOCK), cr_top(BLOCK), reach(BLOCK, 2)
+      real(wp) :: k_top(BLOCK, 2), c_top(BLOCK, 2), k_eff(BLOCK), cr(BLOCK), cr_top(BLOCK), &
+         reach(BLOCK, 2)
       logical :: acts(BLOCK)
       integer :: dof, s, to
 
@@ -82,8 +83,8 @@ contains
 
       to = from + n - 1
       if (iand(batch%law(dof), LAW_SPRING_CURVE) /= 0) then
-         call add_spring_curve_slope(n, curves, batch%k_curve(from:to, dof), batch%k(from:to, dof), &
-            q, f, k_eff, k_top)
+         call add_spring_curve_slope(n, curves, batch%k_curve(from:to, dof), batch%k(from:to, &
+            dof), q, f, k_eff, k_top)
       else
          call add_spring(n, q, batch%k(from:to, dof), f, k_eff, k_top)
       end if
@@ -133,8 +134,8 @@ contains
    end subroutine find_reach
 
    !> Friction, stop and lock of one free dof
-   pure subroutine add_limits(batch, curves, time, h12, from, n, dof, q, qdot, reach, state, f, k_eff, &
-      k_top, acts)
+   pure subroutine add_limits(batch, curves, time, h12, from, n, dof, q, qdot, reach, state, f, &
+      k_eff, k_top, acts)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time, h12
@@ -152,16 +153,17 @@ contains
       s = merge(1, 2, dof <= 3)
       associate (l => batch%limit, k_block => state%k_block(from:to, s))
          call plain_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), over, direction, close)
-         call combined_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), l%combined(from:to, dof), &
-            reach, over, direction, close)
-         rubs(:n) = has_friction(l%k(from:to, dof), l%slip(from:to, dof), l%slip_curve(from:to, dof))
+         call combined_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), l%combined(from:to, &
+            dof), reach, over, direction, close)
+         rubs(:n) = has_friction(l%k(from:to, dof), l%slip(from:to, dof), l%slip_curve(from:to, &
+            dof))
          call add_friction(n, curves, l%slip_curve(from:to, dof), l%k(from:to, dof), &
             l%slip(from:to, dof), l%combined(from:to, dof), over, direction, q, qdot*h12, &
             state%friction(from:to, dof), f, k_eff, k_top, state%slip_energy(from:to), slides, acts)
          where (rubs(:n)) state%stored(from:to) = state%stored(from:to) + &
             0.5_wp*state%friction(from:to, dof)**2/l%k(from:to, dof)
-         call add_stop(n, rubs, l%k(from:to, dof), k_block, over, direction, close, f, k_eff, k_top, &
-            state%stored(from:to), acts)
+         call add_stop(n, rubs, l%k(from:to, dof), k_block, over, direction, close, f, k_eff, &
+            k_top, state%stored(from:to), acts)
          locked(:n) = state%locked(from:to) .and. time <= l%t_free(from:to)
          call add_lock(n, locked, k_block, q, state%q_lock(from:to, dof), f, k_eff, k_top, &
             state%stored(from:to), acts)

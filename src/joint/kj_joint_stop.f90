@@ -10,7 +10,8 @@ module kj_joint_stop
    implicit none
    private
 
-   public :: plain_overlap, combined_overlap, has_limits, has_friction, add_friction, add_stop, add_lock
+   public :: plain_overlap, combined_overlap, has_limits, has_friction, add_friction, add_stop, &
+      add_lock
 
    real(wp), parameter :: TINY_VALUE = 1.0e-20_wp         !! nothing is given, or not touched
    real(wp), parameter :: NEAR = real(0.001, wp)          !! close to a stop, single precision
@@ -25,7 +26,8 @@ contains
       real(wp), intent(in) :: q(n), lo(n), hi(n)
       real(wp), intent(out) :: over(n)          !! signed
       real(wp), intent(out) :: direction(n)     !! of the stop force: 1
-      logical, intent(out) :: close(n)          !! within a thousandth of the upper stop (legacy: of that alone)
+      logical, intent(out) :: close(n)          !! within a thousandth of the upper stop (legacy:
+                                                !! of that alone)
 
       integer :: i
 
@@ -85,7 +87,8 @@ contains
          any(has_friction(limit%k(j, :), limit%slip(j, :), limit%slip_curve(j, :)))
    end function has_limits
 
-   !> Friction: a spring on the increments of q that slips at its limit; beyond a stop it does not slip.
+   !> Friction: a spring on the increments of q that slips at its limit; beyond a stop it does not
+   !> slip.
    !>
    !>   r := r + k dq, limited to |r| <= slip |g(q)|,  f += r,  energy += r (trial - r)/k
    !>
@@ -143,7 +146,8 @@ contains
    !> Stop of dofs without friction: f += k over along its direction.
    !>
    !> Just before the stop its stiffness already counts, without force.
-   pure subroutine add_stop(n, rubs, k, k_block, over, direction, close, f, k_eff, k_top, stored, acts)
+   pure subroutine add_stop(n, rubs, k, k_block, over, direction, close, f, k_eff, k_top, stored, &
+      acts)
       integer, intent(in) :: n
       logical, intent(in) :: rubs(n)            !! has friction: no stop of its own
       real(wp), intent(in) :: k(n)              !! stiffness of the stop, 0 = k_block

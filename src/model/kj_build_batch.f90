@@ -53,7 +53,8 @@ contains
       do j = 1, size(joint)
          b = batch_of(j)
          count_of(b) = count_of(b) + 1
-         call put_joint(property(joint(j)%property), joint(j), model%lead, count_of(b), model%batch(b))
+         call put_joint(property(joint(j)%property), joint(j), model%lead, count_of(b), &
+            model%batch(b))
          ends(:, model%batch(b)%first + count_of(b)) = model%lead(joint(j)%node)
          model%joint(j)%batch = b
          model%joint(j)%place = count_of(b)

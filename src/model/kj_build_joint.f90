@@ -57,7 +57,8 @@ contains
       allocate (part_property(size(draft%part_block)))
       do i = 1, size(draft%part_block)
          call read_cards(deck, draft%part_block(i), cards, findings)
-         part_property(i) = reference(deck, cards, 'prop_id', draft%property, 'property', 'KJ-0178', findings)
+         part_property(i) = reference(deck, cards, 'prop_id', draft%property, 'property', &
+            'KJ-0178', findings)
       end do
       call read_springs(deck, draft, parts, part_property, property, joint, model, findings)
       if (findings%n_error == 0) call fill_batches(property, joint, model)
@@ -89,7 +90,8 @@ contains
       do b = 1, size(blocks)
          part = find(parts, deck%block(blocks(b))%id)
          if (part == 0) then
-            if (rows(b)%n > 0) call report_row(deck, blocks(b), rows(b), 1, 'id', SEV_ERROR, 'KJ-0402', &
+            if (rows(b)%n > 0) call report_row(deck, blocks(b), rows(b), 1, 'id', SEV_ERROR, &
+               'KJ-0402', &
                'part '//str(deck%block(blocks(b))%id)//' of these elements is not defined', &
                'element without a part', findings)
             cycle
@@ -130,8 +132,8 @@ contains
       do i = 2, size(id)
          if (lookup%id(i) /= lookup%id(i - 1)) cycle
          b = block(lookup%place(i))
-         call report_row(deck, blocks(b), rows(b), row(lookup%place(i)), 'id', SEV_ERROR, 'KJ-0079', &
-            'element '//str(lookup%id(i))//' is defined twice', 'used before', findings)
+         call report_row(deck, blocks(b), rows(b), row(lookup%place(i)), 'id', SEV_ERROR, &
+            'KJ-0079', 'element '//str(lookup%id(i))//' is defined twice', 'used before', findings)
       end do
    end subroutine report_double_joints
 
@@ -214,12 +216,14 @@ contains
 
       do e = 1, 2
          if (draft%main_of(raw(e)) > 0) call report_row(deck, block, rows, i, FIELD(e), SEV_ERROR, &
-            'KJ-1768', 'node '//str(draft%id(raw(e)))//' of the joint is the main node of a rigid body', &
+            'KJ-1768', 'node '//str(draft%id(raw(e)))// &
+            ' of the joint is the main node of a rigid body', &
             'expected: a secondary node', findings)
          if (draft%main_of(raw(e)) > 0 .or. draft%body(raw(e)) > 0) cycle
          if (kind == KJOINT) then
             call report_row(deck, block, rows, i, FIELD(e), SEV_WARNING, 'KJ-0391', 'node '// &
-               str(draft%id(raw(e)))//' of the joint belongs to no rigid body', 'free node', findings)
+               str(draft%id(raw(e)))//' of the joint belongs to no rigid body', 'free node', &
+               findings)
          else if (.not. model%mass(model%lead(draft%new(raw(e)))) > 0.0_wp) then
             call report_row(deck, block, rows, i, FIELD(e), SEV_ERROR, 'KJ-9130', 'node '// &
                str(draft%id(raw(e)))//' of the joint has no mass and belongs to no rigid body', &

@@ -2,7 +2,8 @@
 module kj_build_property
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
-   use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME, FRAME_MEAN, FRAME_FIRST, FRAME_CROSS
+   use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME, FRAME_MEAN, &
+      FRAME_FIRST, FRAME_CROSS
    use kj_deck_data, only: deck_t
    use kj_cards, only: cards_t, real_of, int_of, report
    use kj_draft, only: draft_t, reference
@@ -62,8 +63,9 @@ contains
 
       p%frame = joint_types(p%row)%frame
       if (p%frame == FRAME_CROSS) then
-         if (int_of(cards, 'skew_2') == 0) call report(deck, cards, 'skew_2', SEV_ERROR, 'KJ-0926', &
-            'a universal joint needs a skew on body 2', 'expected: id of a moving skew', findings)
+         if (int_of(cards, 'skew_2') == 0) call report(deck, cards, 'skew_2', SEV_ERROR, &
+            'KJ-0926', 'a universal joint needs a skew on body 2', &
+            'expected: id of a moving skew', findings)
          if (any(p%skew == 0)) return
          dot = dot_product(draft%skews%axes(p%skew(1), 1:3), draft%skews%axes(p%skew(2), 1:3))
          if (dot > 1.0e-10_wp) call report(deck, cards, 'skew_2', SEV_ERROR, 'KJ-0389', &
@@ -76,7 +78,8 @@ contains
          p%frame = FRAME_FIRST
          call report(deck, cards, 'skew_2', SEV_WARNING, 'KJ-9119', &
             'without a second skew the joint frame is that of body 1 (as skew flag 1)', &
-            'no skew on body 2', findings, hint='OpenRadioss works on undefined data here: set the skew flag to 1')
+            'no skew on body 2', findings, &
+            hint='OpenRadioss works on undefined data here: set the skew flag to 1')
       end if
    end subroutine choose_frame
 
@@ -104,8 +107,10 @@ contains
          if (joint_types(p%row)%free(i) == 0) cycle
          p%k(i) = real_of(cards, 'K'//DOF_NAME(i))
          p%c(i) = real_of(cards, 'C'//DOF_NAME(i))
-         p%k_curve(i) = reference(deck, cards, 'f_K'//DOF_NAME(i), draft%curve, 'function', 'KJ-3126', findings)
-         p%c_curve(i) = reference(deck, cards, 'f_C'//DOF_NAME(i), draft%curve, 'function', 'KJ-3126', findings)
+         p%k_curve(i) = reference(deck, cards, 'f_K'//DOF_NAME(i), draft%curve, 'function', &
+            'KJ-3126', findings)
+         p%c_curve(i) = reference(deck, cards, 'f_C'//DOF_NAME(i), draft%curve, 'function', &
+            'KJ-3126', findings)
          if (p%k_curve(i) > 0 .and. abs(p%k(i)) <= 0.0_wp) p%k(i) = 1.0_wp
          if (p%c_curve(i) > 0 .and. abs(p%c(i)) <= 0.0_wp) p%c(i) = 1.0_wp
       end do

@@ -3,8 +3,8 @@
 module kj_build_property2
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
-   use kj_units, only: dimensions, D_LENGTH, D_FORCE, D_STIFFNESS, D_DAMPING, D_MOMENT, D_ROT_STIFFNESS, &
-      D_ROT_DAMPING
+   use kj_units, only: dimensions, D_LENGTH, D_FORCE, D_STIFFNESS, D_DAMPING, D_MOMENT, &
+      D_ROT_STIFFNESS, D_ROT_DAMPING
    use kj_curve, only: add_curve
    use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME
    use kj_joint_batch, only: KJOINT2
@@ -47,9 +47,10 @@ contains
       call read_blocking(deck, cards, p, findings)
       call read_sensor(deck, cards, draft, p, findings)
       n_dof = sum(joint_types(p%row)%free)
-      if (cards%n_card > 1 .and. cards%n_card < 1 + 3*n_dof) call report(deck, cards, 'type', SEV_ERROR, &
-         'KJ-0973', 'a joint of type '//str(int_of(cards, 'type'))//' has '//str(3*n_dof)// &
-         ' cards of directions, here are '//str(cards%n_card - 1), 'expected: all of them, or none', findings)
+      if (cards%n_card > 1 .and. cards%n_card < 1 + 3*n_dof) call report(deck, cards, 'type', &
+         SEV_ERROR, 'KJ-0973', 'a joint of type '//str(int_of(cards, &
+         'type'))//' has '//str(3*n_dof)// ' cards of directions, here are '//str(cards%n_card - &
+         1), 'expected: all of them, or none', findings)
       factor = block_factors(deck, cards%block)
       do dof = 1, NDOF
          if (joint_types(p%row)%free(dof) == 0) cycle
@@ -75,7 +76,8 @@ contains
       p%automatic = p%kn < 0.5_wp
       p%scf = real_of(cards, 'SCF')
       if (p%scf < 0.0_wp) call report(deck, cards, 'SCF', SEV_ERROR, 'KJ-0939', &
-         'the scale of the blocked rotations is negative', 'expected: a positive number, or 0', findings)
+         'the scale of the blocked rotations is negative', 'expected: a positive number, or 0', &
+         findings)
       if (abs(p%scf) <= 0.0_wp) p%scf = merge(10.0_wp, 1.0_wp, p%kn > 0.0_wp)
       p%cr = real_of(cards, 'Cr')
       if (p%cr < 0.0_wp .or. p%cr > 1.0_wp) call report(deck, cards, 'Cr', SEV_ERROR, 'KJ-0388', &
@@ -117,8 +119,10 @@ contains
       d = DOF_NAME(dof)
       p%k(dof) = real_of(cards, 'K_'//d)
       p%c(dof) = real_of(cards, 'C_'//d)
-      p%k_curve(dof) = reference(deck, cards, 'f_K_'//d, draft%curve, 'function', ID_FUNCTION, findings)
-      p%c_curve(dof) = reference(deck, cards, 'f_C_'//d, draft%curve, 'function', ID_FUNCTION, findings)
+      p%k_curve(dof) = reference(deck, cards, 'f_K_'//d, draft%curve, 'function', ID_FUNCTION, &
+         findings)
+      p%c_curve(dof) = reference(deck, cards, 'f_C_'//d, draft%curve, 'function', ID_FUNCTION, &
+         findings)
       per_k = factor(D_FORCE)/factor(D_STIFFNESS)
       per_c = factor(D_FORCE)/factor(D_DAMPING)
       if (dof > 3) per_k = factor(D_MOMENT)/factor(D_ROT_STIFFNESS)
@@ -174,16 +178,19 @@ contains
          'the upper stop is negative', 'expected: a positive value, or 0 for none', findings)
       p%k_limit(dof) = real_of(cards, 'Kfr_'//d)
       p%slip(dof) = real_of(cards, 'FM_'//d)
-      p%slip_curve(dof) = reference(deck, cards, 'f_FM_'//d, draft%curve, 'function', ID_FUNCTION, findings)
+      p%slip_curve(dof) = reference(deck, cards, 'f_FM_'//d, draft%curve, 'function', &
+         ID_FUNCTION, findings)
       call refuse_negative(deck, cards, 'Kfr_'//d, 'the stiffness of friction', findings)
       call refuse_negative(deck, cards, 'FM_'//d, 'the limit of friction', findings)
       if (p%slip_curve(dof) > 0) then
          if (abs(p%slip(dof)) <= 0.0_wp) p%slip(dof) = 1.0_wp
          if (dof <= 3) call convert_abscissae(draft, factor(D_LENGTH), p%slip_curve(dof))
       end if
-      if (p%slip(dof) > 0.0_wp .and. .not. has_friction(p%k_limit(dof), p%slip(dof), p%slip_curve(dof))) &
+      if (p%slip(dof) > 0.0_wp .and. .not. has_friction(p%k_limit(dof), p%slip(dof), &
+         p%slip_curve(dof))) &
          call report(deck, cards, 'Kfr_'//d, SEV_WARNING, 'KJ-0979', &
-         'a limit of friction without a stiffness: there is no friction', 'expected: a stiffness', findings)
+         'a limit of friction without a stiffness: there is no friction', &
+         'expected: a stiffness', findings)
    end subroutine read_limits
 
    subroutine refuse_negative(deck, cards, name, what, findings)
@@ -219,9 +226,9 @@ contains
             'Icomb is set on a single direction', 'expected: on two or three, or on none', findings)
          return
       end if
-      if (any(icomb /= 0 .and. icomb /= icomb(at))) call report(deck, cards, 'Icomb_'//DOF_NAME(at), &
-         SEV_ERROR, 'KJ-1598', 'Icomb differs between the directions that it combines', &
-         'expected: one value', findings)
+      if (any(icomb /= 0 .and. icomb /= icomb(at))) call report(deck, cards, 'Icomb_'// &
+         DOF_NAME(at), SEV_ERROR, 'KJ-1598', &
+         'Icomb differs between the directions that it combines', 'expected: one value', findings)
       do dof = first, last
          if (icomb(dof) == 0) cycle
          if (p%lo(dof) < 0.0_wp .or. p%hi(dof) > 0.0_wp) then

@@ -4,18 +4,20 @@ module kj_draft
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR
    use kj_sort, only: lookup_t, new_lookup, find
-   use kj_deck_data, only: deck_t
-   use kj_cards, only: cards_t, int_of, report
+   use kj_keywords, only: keywords, OUT_OF_SCOPE
+   use kj_deck_data, only: deck_t, line_text
+   use kj_cards, only: cards_t, rows_t, int_of, report, report_header
    use kj_curve, only: curve_set_t
    use kj_model, only: skew_set_t
    implicit none
    private
 
-   public :: draft_t, sensor_t, group_t, blocks_of, block_lookup, reference, group_nodes
+   public :: draft_t, sensor_t, group_t, elements_t, blocks_of, block_lookup, reference, &
+      group_nodes, report_double_blocks, known_ids
 
    !> A set of nodes
    type :: group_t
-      integer :: block = 0                       !! of the deck, 0 = not read yet
+      integer :: block = 0                       !! of the deck
       integer, allocatable :: node(:)            !! raw node indices, ascending user id
    end type group_t
 
@@ -24,8 +26,19 @@ module kj_draft
       real(wp) :: t_start = 0.0_wp, t_stop = huge(1.0_wp)
    end type sensor_t
 
+   !> The elements of all /SPRING blocks, in deck order
+   type :: elements_t
+      integer :: n = 0
+      integer, allocatable :: block(:)           !! (blocks) of the deck
+      type(rows_t), allocatable :: rows(:)       !! (blocks) their cards
+      integer, allocatable :: part(:)            !! (n) place of the part, 0 = not defined
+      integer, allocatable :: node(:, :)         !! (2, n) raw node indices, 0 = not defined
+      type(lookup_t) :: id                       !! of the elements
+   end type elements_t
+
+   !> Everything in deck order; node indices are "raw": places in the deck
    type :: draft_t
-      ! nodes in deck order ("raw" indices)
+      logical :: legacy = .false.                !! unit factors as OpenRadioss has them
       integer :: n_node = 0
       integer, allocatable :: id(:)
       real(wp), allocatable :: x(:, :)           !! (n_node, 3)
@@ -39,12 +52,25 @@ module kj_draft
       type(group_t), allocatable :: groups(:)
       type(skew_set_t) :: skews                  !! nodes are raw indices
       type(lookup_t) :: frame
-      type(skew_set_t) :: frames                 !! fixed frames: axes
-      real(wp), allocatable :: frame_origin(:, :)   !! (0:n, 3)
+      type(skew_set_t) :: frames                 !! axes at the start
+      real(wp), allocatable :: frame_origin(:, :)   !! (0:n, 3) at the start
       type(curve_set_t) :: curves
       type(sensor_t), allocatable :: sensors(:)
+      type(elements_t) :: elements
       integer, allocatable :: part_block(:), property_block(:), body_block(:)
    end type draft_t
+
+   !> How a header begins that could define what a field names
+   type :: family_t
+      character(len=12) :: what
+      character(len=8) :: head
+   end type family_t
+
+   type(family_t), parameter :: families(*) = [ &
+      family_t('node group', '/GRNOD'), family_t('node group', '/SET'), &
+      family_t('skew', '/SKEW'), family_t('frame', '/FRAME'), family_t('function', '/FUNCT'), &
+      family_t('sensor', '/SENSOR'), family_t('property', '/PROP'), family_t('box', '/BOX'), &
+      family_t('material', '/MAT')]
 
 contains
 
@@ -68,6 +94,24 @@ contains
       call new_lookup(deck%block(list)%id, lookup)
    end subroutine block_lookup
 
+   !> Two blocks of one family with the same id: every one but the first is reported
+   subroutine report_double_blocks(deck, blocks, what, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: blocks(:)
+      character(len=*), intent(in) :: what
+      type(finding_list_t), intent(inout) :: findings
+
+      type(lookup_t) :: lookup
+      integer :: i
+
+      call block_lookup(deck, blocks, lookup)
+      do i = 2, size(blocks)
+         if (lookup%id(i) /= lookup%id(i - 1)) cycle
+         call report_header(deck, blocks(lookup%place(i)), SEV_ERROR, 'KJ-0079', &
+            what//' '//str(lookup%id(i))//' is defined twice', 'used before', findings)
+      end do
+   end subroutine report_double_blocks
+
    !> Place of the entity that a field names; 0 when the field is 0 or names nothing (then reported)
    integer function reference(deck, cards, name, lookup, what, id, findings) result(place)
       type(deck_t), intent(in) :: deck
@@ -78,16 +122,45 @@ contains
       character(len=*), intent(in) :: id         !! message id
       type(finding_list_t), intent(inout) :: findings
 
+      integer :: block
+
       place = 0
       if (int_of(cards, name) == 0) return
       place = find(lookup, int_of(cards, name))
       if (place > 0) return
-      call report(deck, cards, name, SEV_ERROR, id, what//' '//str(int_of(cards, name))// &
-         ' is not defined', 'no such '//what, findings, hint=known(lookup, what))
+      block = unsupported(deck, what, int_of(cards, name))
+      if (block > 0) then
+         call report(deck, cards, name, SEV_ERROR, 'KJ-9139', what//' '// &
+            str(int_of(cards, name))//' is of a kind that is not supported', &
+            'defined by '//line_text(deck, deck%block(block)%header), findings)
+      else
+         call report(deck, cards, name, SEV_ERROR, id, what//' '//str(int_of(cards, name))// &
+            ' is not defined', 'no such '//what, findings, hint=known_ids(lookup, what))
+      end if
    end function reference
 
+   !> Block out of scope that defines an entity; 0 when there is none
+   pure integer function unsupported(deck, what, id) result(block)
+      type(deck_t), intent(in) :: deck
+      character(len=*), intent(in) :: what
+      integer, intent(in) :: id
+
+      integer :: i
+
+      do block = 1, deck%n_block
+         if (deck%block(block)%id /= id .or. deck%block(block)%row == 0) cycle
+         associate (row => keywords(deck%block(block)%row))
+            if (row%status /= OUT_OF_SCOPE) cycle
+            do i = 1, size(families)
+               if (families(i)%what == what .and. index(row%name, trim(families(i)%head)) == 1) return
+            end do
+         end associate
+      end do
+      block = 0
+   end function unsupported
+
    !> "defined: 1 2 5 ..." for hints
-   function known(lookup, what) result(text)
+   pure function known_ids(lookup, what) result(text)
       type(lookup_t), intent(in) :: lookup
       character(len=*), intent(in) :: what
       character(len=:), allocatable :: text
@@ -101,14 +174,17 @@ contains
          text = text//' '//str(lookup%id(i))
       end do
       if (size(lookup%id) > 12) text = text//' ...'
-   end function known
+   end function known_ids
 
-   !> Raw indices of the nodes of the group that a field names. Field 0: none.
-   subroutine group_nodes(draft, deck, cards, name, id, findings, nodes)
+   !> Raw indices of the nodes of the group that a field names.
+   !>
+   !> A field 0 or blank names none; where `needed`, that is an error.
+   subroutine group_nodes(draft, deck, cards, name, id, needed, findings, nodes)
       type(draft_t), intent(in) :: draft
       type(deck_t), intent(in) :: deck
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: name, id   !! field and message id
+      logical, intent(in) :: needed
       type(finding_list_t), intent(inout) :: findings
       integer, allocatable, intent(out) :: nodes(:)
 
@@ -117,6 +193,9 @@ contains
       allocate (nodes(0))
       place = reference(deck, cards, name, draft%group, 'node group', id, findings)
       if (place > 0) nodes = draft%groups(place)%node
+      if (int_of(cards, name) == 0 .and. needed) call report(deck, cards, name, SEV_ERROR, id, &
+         'no node group is named', 'expected: id of a node group', findings, &
+         hint=known_ids(draft%group, 'node group'))
    end subroutine group_nodes
 
 end module kj_draft

@@ -27,7 +27,8 @@ module kj_joint_draft
       real(wp) :: slip(NDOF) = 0.0_wp           !! limit of friction, or scale of its curve
       integer :: slip_curve(NDOF) = 0
       real(wp) :: t_lock = huge(1.0_wp), t_free = huge(1.0_wp)
-      logical :: limited = .false.              !! has stops, friction, a lock or automatic stiffness
+      logical :: limited = .false.              !! has stops, friction, a lock or automatic
+                                                !! stiffness
    end type property_t
 
    !> A spring element on its way into a batch

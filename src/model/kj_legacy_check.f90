@@ -51,16 +51,20 @@ contains
          text = ': the legacy universal joint measures in a frame that it does not push in, '// &
             'so energy is not kept (some percent)'
       case (FALLING)
-         text = ': a stiffness curve falls somewhere: the legacy scheme takes the root of its slope '// &
+         text = &
+            ': a stiffness curve falls somewhere: the legacy scheme takes the root of its slope '// &
             'and gets NaN there'
       case (BACKWARD)
-         text = ': a stiffness curve is above f(0) at negative abscissae: the time step of the legacy '// &
+         text = &
+            ': a stiffness curve is above f(0) at negative abscissae: the time step of the legacy '// &
             'scheme collapses there'
       case (SHARED)
-         text = ': shares a KJOINT2 with stops, friction or a lock: OpenRadioss mixes the damping and '// &
+         text = &
+            ': shares a KJOINT2 with stops, friction or a lock: OpenRadioss mixes the damping and '// &
             'friction of such joints, here each is alone'
       case (RUBBING)
-         text = ': friction on a universal KJOINT2: in OpenRadioss it spoils the axes, here it does not'
+         text = &
+            ': friction on a universal KJOINT2: in OpenRadioss it spoils the axes, here it does not'
       end select
    end function text_of
 
@@ -83,15 +87,17 @@ contains
                count(model%joint%property == model%joint(j)%property) > 1
          case (RUBBING)
             acts = .false.
-            if (batch%limited .and. batch%frame == FRAME_CROSS) acts = any(has_friction( &
-               batch%limit%k(place, :), batch%limit%slip(place, :), batch%limit%slip_curve(place, :)))
+            if (batch%limited .and. batch%frame == FRAME_CROSS) acts = &
+               any(has_friction( batch%limit%k(place, :), batch%limit%slip(place, :), &
+               batch%limit%slip_curve(place, :)))
          case default
             acts = bad_curve(model%curves, batch, place, defect)
          end select
       end associate
    end function acts_on
 
-   !> A stiffness curve of the joint falls (with a reduced mass), or is above f(0) at a negative knot
+   !> A stiffness curve of the joint falls (with a reduced mass), or is above f(0) at a negative
+   !> knot
    pure logical function bad_curve(curves, batch, place, defect) result(bad)
       type(curve_set_t), intent(in) :: curves
       type(joint_batch_t), intent(in) :: batch
@@ -146,7 +152,8 @@ contains
             shares = b%abscissa /= BY_TIME .or. abs(a%x_scale - b%x_scale) > 0.0_wp
             if (.not. shares) cycle
             call warn(findings, 'KJ-9205', 'two concentrated loads in a row use function '// &
-               str(model%curves%id(b%curve))//': the legacy scheme takes the value of the first for both')
+               str(model%curves%id(b%curve))// &
+               ': the legacy scheme takes the value of the first for both')
             return
          end associate
       end do
@@ -165,7 +172,8 @@ contains
       if (turn < 0.02_wp) return
       write (buffer, '(f8.3)') turn
       call warn(findings, 'KJ-9206', 'rigid body '//str(model%body_id(body))//' turns by '// &
-         trim(adjustl(buffer))//' rad in a step: the legacy scheme is first order in the spin, and its '// &
+         trim(adjustl(buffer))// &
+         ' rad in a step: the legacy scheme is first order in the spin, and its '// &
          'nodes drift outward')
    end subroutine warn_large_turn
 

@@ -43,18 +43,20 @@ contains
          if (any(draft%skews%node(:, s) == 0)) cycle
          owner(e) = draft%body(draft%skews%node(1, s))
          if (any(draft%body(draft%skews%node(:, s)) /= owner(e))) owner(e) = 0
-         if (owner(e) == 0 .and. body(e) > 0) call report_row(deck, block, rows, i, 'id', SEV_WARNING, &
-            'KJ-0919', 'the nodes of skew '//str(draft%skews%id(s))// &
+         if (owner(e) == 0 .and. body(e) > 0) call report_row(deck, block, rows, i, 'id', &
+            SEV_WARNING, 'KJ-0919', 'the nodes of skew '//str(draft%skews%id(s))// &
             ' are not all secondary nodes of one rigid body', 'joint with this skew', findings)
       end do
       if (any(owner <= 0)) return
       if (body(1) /= body(2) .and. all(owner == body(2:1:-1))) then
          joint%skew = p%skew(2:1:-1)
          call report_row(deck, block, rows, i, 'id', SEV_WARNING, 'KJ-0921', &
-            'the skews of the joint stand crosswise to its nodes: they were swapped', 'swapped', findings)
+            'the skews of the joint stand crosswise to its nodes: they were swapped', 'swapped', &
+            findings)
       else if (any(owner /= body)) then
          call report_row(deck, block, rows, i, 'id', SEV_WARNING, 'KJ-0920', &
-            'a skew of the joint belongs to another body than its node', 'joint with this skew', findings)
+            'a skew of the joint belongs to another body than its node', 'joint with this skew', &
+            findings)
       end if
    end subroutine match_skews
 
@@ -79,8 +81,9 @@ contains
       case (FRAME_MEAN)
          half = 0.5_wp*rotation_vector(matmul(transpose(u), v))
          joint%frame = matmul(u, rotation(half))
-         if (norm2(half) > 2.0_wp*atan(1.0_wp) - 1.0e-6_wp) call report_row(deck, block, rows, i, 'id', &
-            SEV_ERROR, 'KJ-9121', 'the skews of the joint are 180 degrees apart: they have no mean frame', &
+         if (norm2(half) > 2.0_wp*atan(1.0_wp) - 1.0e-6_wp) call report_row(deck, block, rows, i, &
+            'id', SEV_ERROR, 'KJ-9121', &
+            'the skews of the joint are 180 degrees apart: they have no mean frame', &
             'joint with these skews', findings)
       case default   ! FRAME_CROSS
          joint%frame(:, 1) = unit(cross(u(:, 1), v(:, 1)))
@@ -91,7 +94,8 @@ contains
 
    !> Initial frame of a KJOINT2: from its nodes, else from its first skew.
    !>
-   !> Two nodes: x from 1 to 2. Three: x from 1 to 3. Four: x from 1 to 3, y in the plane of 1, 3, 4;
+   !> Two nodes: x from 1 to 2. Three: x from 1 to 3. Four: x from 1 to 3, y in the plane of 1, 3,
+   !> 4;
    !> universal: y from 1 to 3, z from 1 to 4.
    subroutine frame_of_nodes(deck, block, rows, i, draft, x, given, p, joint, findings)
       type(deck_t), intent(in) :: deck
@@ -120,12 +124,13 @@ contains
          joint%frame = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
       else if (norm2(x(:, min(given, 3)) - x(:, 1)) <= APART) then
          call report_row(deck, block, rows, i, 'n3', SEV_ERROR, 'KJ-1009', &
-            'node 3 of the joint lies on node 1: the joint has no x axis', 'same place as n1', findings)
+            'node 3 of the joint lies on node 1: the joint has no x axis', 'same place as n1', &
+            findings)
       else if (given < 4) then
          joint%frame = frame_about(unit(x(:, given) - x(:, 1)))
       else
-         call frame_of_plane(deck, block, rows, i, x(:, 3) - x(:, 1), x(:, 4) - x(:, 1), type == 5, &
-            joint, findings)
+         call frame_of_plane(deck, block, rows, i, x(:, 3) - x(:, 1), x(:, 4) - x(:, 1), &
+            type == 5, joint, findings)
       end if
    end subroutine frame_of_nodes
 
@@ -158,7 +163,8 @@ contains
       normal = cross(a, b)
       if (norm2(normal) <= 1.0e-10_wp*dot_product(a, a)) then
          call report_row(deck, block, rows, i, 'n4', SEV_ERROR, 'KJ-0937', &
-            'nodes 1, 3 and 4 of the joint do not span a plane', 'on a line with n1 and n3', findings)
+            'nodes 1, 3 and 4 of the joint do not span a plane', 'on a line with n1 and n3', &
+            findings)
          return
       end if
       if (.not. universal) then
@@ -202,24 +208,26 @@ contains
       u = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
       v = reshape(draft%skews%axes(p%skew(2), :), [3, 3])
       if (joint_types(p%row)%id >= 2 .and. joint_types(p%row)%id <= 4) then
-         cosine = min(abs(dot_product(u(:, 1), joint%frame(:, 1))), abs(dot_product(v(:, 1), joint%frame(:, 1))))
+         cosine = min(abs(dot_product(u(:, 1), joint%frame(:, 1))), abs(dot_product(v(:, 1), &
+            joint%frame(:, 1))))
          if (cosine < 0.98_wp) then
             call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-3076', &
-               'the x axes of the skews of the joint are not along its axis', 'joint with these skews', findings)
+               'the x axes of the skews of the joint are not along its axis', &
+               'joint with these skews', findings)
             return
          end if
-         if (cosine < 0.9998_wp) call report_row(deck, block, rows, i, 'id', SEV_WARNING, 'KJ-3067', &
-            'the x axes of the skews of the joint are over 1 degree off its axis', 'joint with these skews', &
-            findings)
+         if (cosine < 0.9998_wp) call report_row(deck, block, rows, i, 'id', SEV_WARNING, &
+            'KJ-3067', 'the x axes of the skews of the joint are over 1 degree off its axis', &
+            'joint with these skews', findings)
          call align(joint%frame(:, 1), u)
          call align(joint%frame(:, 1), v)
       end if
       joint%angle = rotation_vector(matmul(transpose(u), v))
       do dof = 4, 6
          if (p%lo(dof) < 0.0_wp .and. joint%angle(dof - 3) < p%lo(dof) .or. &
-            p%hi(dof) > 0.0_wp .and. joint%angle(dof - 3) > p%hi(dof)) call report_row(deck, block, rows, &
-            i, 'id', SEV_ERROR, 'KJ-1133', 'an angle of the joint starts beyond its stop', &
-            'joint with these skews', findings)
+            p%hi(dof) > 0.0_wp .and. joint%angle(dof - 3) > p%hi(dof)) call report_row(deck, &
+            block, rows, i, 'id', SEV_ERROR, 'KJ-1133', &
+            'an angle of the joint starts beyond its stop', 'joint with these skews', findings)
       end do
    end subroutine angles_of_skews
 

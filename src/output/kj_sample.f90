@@ -1,4 +1,5 @@
-!> Channel + state -> numbers: one row of a history at t(n), taken between the two halves of a cycle.
+!> Channel + state -> numbers: one row of a history at t(n), taken between the two halves of a
+!> cycle.
 module kj_sample
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
@@ -15,14 +16,14 @@ module kj_sample
    use kj_energy, only: balance_t, balance_of, energy_error
    use kj_body, only: secondary_velocity
    use kj_history, only: history_t, variable_t, add_variable
-   use kj_channels, only: channels, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, &
-      CH_POTENTIAL, CH_ENERGY_ERROR, CH_MOM_X, CH_MOM_Y, CH_MOM_Z, CH_ANG_X, CH_ANG_Y, CH_ANG_Z, CH_MASS, &
-      CH_OWNER_KIND, CH_OWNER, CH_FINAL, CH_J_FORCE, CH_J_MOMENT, CH_J_DISP, CH_J_ROT, CH_J_VEL, CH_J_ANGVEL, &
-      CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, CH_J_FRAME, CH_J_ORTHO, &
-      CH_J_STATE, CH_J_FRICTION, CH_J_GAP, CH_J_GAP_ROT, &
-      CH_B_POS, CH_B_VEL, CH_B_ANGVEL, CH_B_ACC, CH_B_ANGACC, CH_B_FORCE, CH_B_MOMENT, CH_B_IMPULSE, &
-      CH_B_ANGIMP, CH_B_ROTSUM, CH_B_ORIENT, CH_B_KE, CH_N_POS, CH_N_DISP, CH_N_VEL, CH_N_ANGVEL, CH_N_ACC, &
-      CH_N_ANGACC, OF_RUN, OF_JOINT, OF_BODY, OF_NODE
+   use kj_channels, only: channels, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_KE_TRANS, CH_KE_ROT, &
+      CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, CH_MOM_X, CH_MOM_Y, CH_MOM_Z, CH_ANG_X, &
+      CH_ANG_Y, CH_ANG_Z, CH_MASS, CH_OWNER_KIND, CH_OWNER, CH_FINAL, CH_J_FORCE, CH_J_MOMENT, &
+      CH_J_DISP, CH_J_ROT, CH_J_VEL, CH_J_ANGVEL, CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, &
+      CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, CH_J_FRAME, CH_J_ORTHO, CH_J_STATE, CH_J_FRICTION, &
+      CH_J_GAP, CH_J_GAP_ROT, CH_B_POS, CH_B_VEL, CH_B_ANGVEL, CH_B_ACC, CH_B_ANGACC, CH_B_FORCE, &
+      CH_B_MOMENT, CH_B_IMPULSE, CH_B_ANGIMP, CH_B_ROTSUM, CH_B_ORIENT, CH_B_KE, CH_N_POS, &
+      CH_N_DISP, CH_N_VEL, CH_N_ANGVEL, CH_N_ACC, CH_N_ANGACC, OF_RUN, OF_JOINT, OF_BODY, OF_NODE
    implicit none
    private
 
@@ -230,7 +231,8 @@ contains
       if (.not. batch%limited) return
       associate (lo => batch%limit%lo(j, :), hi => batch%limit%hi(j, :), &
          combined => batch%limit%combined(j, :))
-         reach = norm2(combined(first:last)*(q(first:last) - 0.5_wp*(lo(first:last) + hi(first:last))))
+         reach = norm2(combined(first:last)*(q(first:last) - 0.5_wp*(lo(first:last) + &
+            hi(first:last))))
          do dof = first, last
             if (combined(dof) > 0.0_wp) then
                gap(dof) = 0.5_wp*(hi(dof) - lo(dof)) - reach
@@ -243,7 +245,8 @@ contains
       end associate
    end function gaps
 
-   !> Energy stored in the elastic laws of a joint: k q^2/2, or the integral of its curve; with stops,
+   !> Energy stored in the elastic laws of a joint: k q^2/2, or the integral of its curve; with
+   !> stops,
    !> friction and lock
    pure real(wp) function elastic_energy(model, state, batch, j) result(u)
       type(model_t), intent(in) :: model
@@ -258,7 +261,8 @@ contains
       associate (b => model%batch(batch), q => state%joint(batch)%q)
          do dof = 1, 6
             if (iand(b%law(dof), LAW_SPRING_CURVE) /= 0) then
-               u = u + b%k(j, dof)*curve_integral(model%curves, b%k_curve(j, dof), 0.0_wp, q(j, dof))
+               u = u + b%k(j, dof)*curve_integral(model%curves, b%k_curve(j, dof), 0.0_wp, &
+                  q(j, dof))
             else
                k = b%k(j, dof)
                if (b%limited .and. joint_types(b%row)%free(dof) == 0) &
@@ -343,7 +347,8 @@ contains
       y = [(dot_product(y, axis_of(state%world%skew, skew, dir)), dir=1, 3)]
    end function node_value
 
-   !> Angular velocity of a node; conditions act on a secondary node one cycle later than on its body
+   !> Angular velocity of a node; conditions act on a secondary node one cycle later than on its
+   !> body
    pure function turning_of(model, state, node) result(w)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state

@@ -11,12 +11,14 @@ module kj_blocking
 
    public :: set_blocking
 
-   real(wp), parameter :: A = real(4.1, wp), SHARE = real(0.8, wp), MORE = real(1.3, wp)   !! single precision
+   real(wp), parameter :: A = real(4.1, wp), SHARE = real(0.8, wp), MORE = real(1.3, &
+      wp)   !! single precision
    real(wp), parameter :: NO_STEP = 9.0e4_wp      !! a first step above this is none
 
 contains
 
-   !> In cycle 0, with its step chosen: blocked stiffness of joints with Kn = 0, used from cycle 1 on.
+   !> In cycle 0, with its step chosen: blocked stiffness of joints with Kn = 0, used from cycle 1
+   !> on.
    !>
    !> Errors: ERR_RUN when nothing limits the first step.
    subroutine set_blocking(model, state, error)

@@ -9,15 +9,18 @@ module kj_c_advance
    use kj_c_hold, only: held_force
    use kj_c_bound, only: bound_t, new_bound, renew_bound, nodal_bound, has_moved
    use kj_c_step, only: c_step, field_at
+   use kj_c_rkmk, only: rkmk_step
    implicit none
    private
 
    public :: march_t, start_march, march, balance_ledger
 
+   integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3   !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
 
    !> Where the march stands
    type :: march_t
+      integer :: integrator = SPLIT2
       logical :: nodal = .false.                 !! nodal rule instead of the safe bound
       real(wp) :: factor = 0.9_wp                !! of the limit
       real(wp) :: most = huge(1.0_wp)            !! largest step allowed by the deck
@@ -35,7 +38,8 @@ contains
       type(c_state_t), intent(inout) :: state
       type(march_t), intent(inout) :: self
 
-      call new_bound(model, c, state, self%bound)
+      state%by_steps = self%integrator /= RKMK4
+      call new_bound(model, c, .not. state%by_steps, state, self%bound)
       call take_limit(model, c, state, self)
    end subroutine start_march
 
@@ -76,7 +80,11 @@ contains
       h = (t_end - state%time)/left
       call change_step(model, c, h, state)
       do i = 1, steps
-         call c_step(model, c, h, state)
+         if (self%integrator == RKMK4) then
+            call rkmk_step(model, c, h, state)
+         else
+            call c_step(model, c, self%integrator == LIEMID, h, state)
+         end if
          left = left - 1
          if (left == 0) then
             state%time = t_end
@@ -152,8 +160,8 @@ contains
          elastic = elastic + sum(state%joint(b)%elastic)
          joints = joints + sum(state%joint(b)%elastic) + sum(state%joint(b)%dissipated)
       end do
-      s = kinetic + joints + potential(model, c, state) - state%work - &
-         state%h**2/8.0_wp*kick_term(model, c, state) + state%offset
+      s = kinetic + joints + potential(model, c, state) - state%work
+      if (state%by_steps) s = s - state%h**2/8.0_wp*kick_term(model, c, state) + state%offset
       if (state%cycle == 0) state%s0 = s
       state%scale = max(state%scale, kinetic + elastic + abs(state%work))
       state%error = 0.0_wp

@@ -9,7 +9,7 @@ module kj_c_body
    implicit none
    private
 
-   public :: kick, drift, spin_velocity, inverse_inertias, columns
+   public :: kick, drift, spin_velocity, inverse_inertias, columns, turn_in_space
 
 contains
 

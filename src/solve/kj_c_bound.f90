@@ -8,7 +8,7 @@
 module kj_c_bound
    use kj_kinds, only: wp
    use kj_lapack, only: largest_eigenvalue
-   use kj_joint_batch, only: joint_state_t, new_joint_state, LAW_SPRING_CURVE
+   use kj_joint_batch, only: joint_state_t, new_joint_state, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_joint_force, only: start_stiffness
    use kj_curve, only: curve_set_t
    use kj_model, only: model_t
@@ -25,32 +25,38 @@ module kj_c_bound
       integer :: joint = 0                       !! who holds it: index among all joints, 0 = none
       real(wp), allocatable :: share(:, :)       !! (2, n_joint) of the mass of each end's lead
       real(wp), allocatable :: k(:, :)           !! (6, n_joint) largest stiffness of each dof
+      real(wp), allocatable :: c(:, :)           !! (6, n_joint) largest damping of each dof, 0 where implicit
       real(wp), allocatable :: limit(:)          !! (n_joint) step that each joint allows
       real(wp), allocatable :: q(:, :)           !! (6, n_joint) coordinates at the last evaluation
    end type bound_t
 
    integer, parameter :: SWEEPS = 4
    real(wp), parameter :: LEAST_SHARE = 1.0e-9_wp
+   real(wp), parameter :: RK4_RADIUS = 1.0_wp    !! of |h lambda|: stable to 2.6, but RK4 damps by h^6 before
    real(wp), parameter :: TURN = 0.05_wp         !! relative turn that asks for a new evaluation [rad]
 
 contains
 
    !> Stiffnesses and shares, and the bound in the present pose
-   subroutine new_bound(model, c, state, bound)
+   subroutine new_bound(model, c, explicit, state, bound)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
+      logical, intent(in) :: explicit            !! Runge-Kutta of fourth order with explicit damping
       type(c_state_t), intent(in) :: state
       type(bound_t), intent(out) :: bound
 
       real(wp) :: s(6, 6, 2), total(model%n_lead), lambda(model%n_joint)
       integer :: b, i, j, e, sweep
 
-      allocate (bound%share(2, model%n_joint), bound%k(6, model%n_joint), bound%limit(model%n_joint), &
-         bound%q(6, model%n_joint))
+      allocate (bound%share(2, model%n_joint), bound%k(6, model%n_joint), bound%limit(model%n_joint))
+      allocate (bound%q(6, model%n_joint), bound%c(6, model%n_joint), source=0.0_wp)
       do b = 1, size(c%batch)
          do i = 1, c%batch(b)%n
             j = c%batch(b)%first + i
-            bound%k(:, j) = stiffest(c%batch(b), model%curves, i)
+            bound%k(:, j) = steepest(model%curves, LAW_SPRING_CURVE, c%batch(b)%law, c%batch(b)%k(i, :), &
+               c%batch(b)%k_curve(i, :))
+            if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, c%batch(b)%law, &
+               c%batch(b)%c(i, :), c%batch(b)%c_curve(i, :))
             call compliances(c, state, b, i, s)
             do e = 1, 2
                bound%share(e, j) = eigenvalue(bound%k(:, j), s(:, :, e))
@@ -140,14 +146,19 @@ contains
       type(bound_t), intent(in) :: bound
       real(wp), intent(out) :: lambda(:)
 
-      real(wp) :: s(6, 6, 2)
+      real(wp) :: s(6, 6, 2), root
       integer :: b, i, j
 
       do b = 1, size(c%batch)
          do i = 1, c%batch(b)%n
             j = c%batch(b)%first + i
             call compliances(c, state, b, i, s)
-            lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j))
+            s(:, :, 1) = s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j)
+            lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1))
+            if (.not. any(bound%c(:, j) > 0.0_wp)) cycle
+            root = 0.5_wp*eigenvalue(bound%c(:, j), s(:, :, 1))
+            root = (root + sqrt(root**2 + lambda(j)))*2.0_wp/RK4_RADIUS
+            lambda(j) = root**2
          end do
       end do
    end subroutine eigenvalues
@@ -193,24 +204,25 @@ contains
       end do
    end subroutine divide
 
-   !> Largest stiffness of each dof: that of a curve is its steepest rise anywhere
-   pure function stiffest(batch, curves, i) result(k)
-      type(c_batch_t), intent(in) :: batch
+   !> Largest stiffness or damping of each dof: that of a curve is its steepest rise anywhere
+   pure function steepest(curves, bit, law, value, curve) result(k)
       type(curve_set_t), intent(in) :: curves
-      integer, intent(in) :: i
+      integer, intent(in) :: bit                 !! LAW_ bit of a curve
+      integer, intent(in) :: law(6), curve(6)
+      real(wp), intent(in) :: value(6)
       real(wp) :: k(6)
 
       integer :: dof, p
 
-      k = max(0.0_wp, batch%k(i, :))
+      k = max(0.0_wp, value)
       do dof = 1, 6
-         if (iand(batch%law(dof), LAW_SPRING_CURVE) == 0) cycle
+         if (iand(law(dof), bit) == 0) cycle
          k(dof) = 0.0_wp
-         do p = curves%first(batch%k_curve(i, dof)), curves%first(batch%k_curve(i, dof) + 1) - 2
-            k(dof) = max(k(dof), batch%k(i, dof)*(curves%y(p + 1) - curves%y(p))/(curves%x(p + 1) - curves%x(p)))
+         do p = curves%first(curve(dof)), curves%first(curve(dof) + 1) - 2
+            k(dof) = max(k(dof), value(dof)*(curves%y(p + 1) - curves%y(p))/(curves%x(p + 1) - curves%x(p)))
          end do
       end do
-   end function stiffest
+   end function steepest
 
    !> B_b M_b^-1 B_b^T of joint i of batch b, for both ends
    subroutine compliances(c, state, b, i, s)

@@ -9,7 +9,7 @@ module kj_c_build
    use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, CHART_UNIVERSAL
    use kj_c_force, only: N_C_WRENCH
    use kj_c_state, only: c_model_t, c_state_t, hold_t, row_t
-   use kj_c_hold, only: motion_targets, project
+   use kj_c_hold, only: motion_targets, project, WHOLE
    use kj_c_step, only: find_forces
    implicit none
    private
@@ -325,7 +325,7 @@ contains
       before = 0.0_wp
       call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
       active = active .and. model%motion%kind == 1
-      call project(model, c, state, final, active, .true., before)
+      call project(model, c, state, final, active, WHOLE, before)
       state%work = 0.0_wp
       call find_forces(model, c, 0.0_wp, final, active, state)
    end subroutine new_c_state

@@ -13,6 +13,9 @@ module kj_c_hold
    implicit none
    private
 
+   !> Part of a step that a projection ends
+   integer, parameter, public :: FIRST_HALF = 1, SECOND_HALF = 2, WHOLE = 3
+
    public :: project, project_rates, hold_rotations, body_matrix, motion_targets, held_force
 
 contains
@@ -94,14 +97,15 @@ contains
    !> Bring velocity and angular momentum of the held leads onto their conditions.
    !>
    !> v += B^T (B B^T)^-1 (u - B v), L += B^T (B J^-1 B^T)^-1 (u - B J^-1 L); work of driven rows:
-   !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the second
-   subroutine project(model, c, state, target, active, first, before)
+   !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the second,
+   !> the mean of start and end over a whole step
+   subroutine project(model, c, state, target, active, part, before)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
       real(wp), intent(in) :: target(:)              !! (n_motion) wanted velocity
       logical, intent(in) :: active(:)
-      logical, intent(in) :: first                   !! first half kick of a step
+      integer, intent(in) :: part                    !! of the step that was kicked: FIRST_HALF, ...
       real(wp), intent(in) :: before(:, :)           !! (6, n_hold) velocities v, w before that kick
 
       real(wp) :: b(3, 3), u(3), power
@@ -113,7 +117,7 @@ contains
             lead = hold%lead
             call rows_of(state, hold%trans(:hold%n_trans), target, active, b, u, drives, n)
             if (n > 0) then
-               call drive(n, b, u, drives, first, before(1:3, i), unit_inverse(1.0_wp), state%v(lead, :), power)
+               call drive(n, b, u, drives, part, before(1:3, i), unit_inverse(1.0_wp), state%v(lead, :), power)
                state%work = state%work + model%mass(lead)*power
             end if
             call rows_of(state, hold%rot(:hold%n_rot), target, active, b, u, drives, n)
@@ -121,10 +125,10 @@ contains
             if (n == 3 .and. .not. any(drives(:3))) then
                state%l(lead, :) = 0.0_wp
             else
-               call drive(n, b, u, drives, first, before(4:6, i), inverse_inertia(c, state, lead), &
+               call drive(n, b, u, drives, part, before(4:6, i), inverse_inertia(c, state, lead), &
                   state%l(lead, :), power)
                state%work = state%work + power
-               if (first .and. n == 1) call lean_back(c, state, lead, b, u)
+               if (part == FIRST_HALF .and. n == 1) call lean_back(c, state, lead, b, u)
             end if
          end associate
       end do
@@ -144,7 +148,7 @@ contains
       w = matmul(g, state%l(lead, :))
       back = u
       back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), matmul(g, cross(w, state%l(lead, :))))
-      call drive(1, b, back, [.false., .false., .false.], .true., u, g, state%l(lead, :), power)
+      call drive(1, b, back, [.false., .false., .false.], FIRST_HALF, u, g, state%l(lead, :), power)
    end subroutine lean_back
 
    pure function unit_inverse(m) result(a)
@@ -158,10 +162,11 @@ contains
    end function unit_inverse
 
    !> Change p so that b (g p) = u with g symmetric; power of the driven rows
-   subroutine drive(n, b, u, drives, first, before, g, p, power)
+   subroutine drive(n, b, u, drives, part, before, g, p, power)
       integer, intent(in) :: n
       real(wp), intent(in) :: b(3, 3), u(3), before(3), g(3, 3)
-      logical, intent(in) :: drives(3), first
+      logical, intent(in) :: drives(3)
+      integer, intent(in) :: part
       real(wp), intent(inout) :: p(3)                !! velocity (g = 1) or angular momentum (g = J^-1)
       real(wp), intent(out) :: power
 
@@ -178,7 +183,8 @@ contains
          if (.not. drives(k)) cycle
          old = dot_product(b(k, :), matmul(g, p))
          rate = dot_product(b(k, :), before) + 0.5_wp*(u(k) - old)
-         if (.not. first) rate = u(k) - 0.5_wp*(u(k) - old)
+         if (part == SECOND_HALF) rate = u(k) - 0.5_wp*(u(k) - old)
+         if (part == WHOLE) rate = 0.5_wp*(dot_product(b(k, :), before) + u(k))
          power = power + impulse(k)*rate
       end do
       p = p + matmul(impulse, b(:n, :))
@@ -198,12 +204,12 @@ contains
       do i = 1, size(c%hold)
          lead = c%hold(i)%lead
          call rows_of(state, c%hold(i)%trans(:c%hold(i)%n_trans), target, active, b, u, drives, n)
-         if (n > 0) call drive(n, b, u, drives, .true., u, unit_inverse(1.0_wp), state%poses%v(lead, :), power)
+         if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), state%poses%v(lead, :), power)
          call rows_of(state, c%hold(i)%rot(:c%hold(i)%n_rot), target, active, b, u, drives, n)
          if (n == 0) cycle
          g = inverse_inertia(c, state, lead)
          l = matmul(inertia(c, state, lead), state%poses%w(lead, :))
-         call drive(n, b, u, drives, .true., u, g, l, power)
+         call drive(n, b, u, drives, FIRST_HALF, u, g, l, power)
          state%poses%w(lead, :) = matmul(g, l)
       end do
    end subroutine project_rates
@@ -311,12 +317,12 @@ contains
       inactive = .false.
       associate (hold => c%hold(i))
          call rows_of(state, hold%trans(:hold%n_trans), none, inactive, b, u, drives, n)
-         if (n > 0) call drive(n, b, u, drives, .true., u, unit_inverse(1.0_wp), f, power)
+         if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), f, power)
          call rows_of(state, hold%rot(:hold%n_rot), none, inactive, b, u, drives, n)
          if (n == 3) then
             t = 0.0_wp
          else if (n > 0) then
-            call drive(n, b, u, drives, .true., u, inverse_inertia(c, state, hold%lead), t, power)
+            call drive(n, b, u, drives, FIRST_HALF, u, inverse_inertia(c, state, hold%lead), t, power)
          end if
       end associate
    end subroutine held_force

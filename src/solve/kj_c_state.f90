@@ -61,6 +61,7 @@ module kj_c_state
       real(wp), allocatable :: field(:, :)       !! (3, gravity cards) acceleration in the last step
       ! ledger
       real(wp) :: work = 0.0_wp                  !! of loads and imposed motion
+      logical :: by_steps = .true.               !! work of loads by mean force times displacement
       real(wp) :: s0 = 0.0_wp                    !! S at the start
       real(wp) :: offset = 0.0_wp                !! of S, where the step changed
       real(wp) :: scale = 0.0_wp                 !! largest kinetic + elastic + |work| so far

@@ -1,4 +1,4 @@
-!> One step of the consistent formulation: kick, drift, kick (split2).
+!> One step of the consistent formulation: kick, drift, kick (split2 and liemid), and the forces.
 !> Source: consistent.md 1; accuracy.md, integrators.
 module kj_c_step
    use kj_kinds, only: wp
@@ -9,19 +9,21 @@ module kj_c_step
    use kj_assembly, only: lead_map_t
    use kj_c_force, only: add_springs, add_dampers, count_damping
    use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_midpoint, only: midpoint_drift
    use kj_c_body, only: kick, drift, spin_velocity, inverse_inertias
-   use kj_c_hold, only: project, project_rates, hold_rotations, motion_targets
+   use kj_c_hold, only: project, project_rates, hold_rotations, motion_targets, FIRST_HALF, SECOND_HALF
    implicit none
    private
 
-   public :: c_step, find_forces, place_node, field_at
+   public :: c_step, find_forces, place_node, field_at, load_power, keep_rates, reach_motions
 
 contains
 
-   !> From t to t + h
-   subroutine c_step(model, c, h, state)
+   !> From t to t + h by kick, drift, kick
+   subroutine c_step(model, c, midpoint, h, state)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
+      logical, intent(in) :: midpoint                !! liemid instead of split2
       real(wp), intent(in) :: h
       type(c_state_t), intent(inout) :: state
 
@@ -35,7 +37,7 @@ contains
       call motion_targets(model, state, h, mean, final, active)
       call keep_rates(c, state, before)
       call kick(c, state, h, 1, model%n_lead)
-      call project(model, c, state, mean, active, .true., before)
+      call project(model, c, state, mean, active, FIRST_HALF, before)
       call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       state%poses%psi = 0.5_wp*h*state%poses%w
       state%poses%v = state%v
@@ -46,7 +48,11 @@ contains
          old(:, i) = state%poses%quat(c%hold(i)%lead, :)
          w(:, i) = state%poses%w(c%hold(i)%lead, :)
       end do
-      call drift(c, state, h, 1, model%n_lead)
+      if (midpoint) then
+         call midpoint_drift(c, state, h, 1, model%n_lead)
+      else
+         call drift(c, state, h, 1, model%n_lead)
+      end if
       call hold_rotations(c, state, h, mean, active, old, w)
       state%cycle = state%cycle + 1
       state%time = state%time + h
@@ -55,7 +61,7 @@ contains
       call count_impulses(model, h, state)
       call keep_rates(c, state, before)
       call kick(c, state, h, 1, model%n_lead)
-      call project(model, c, state, final, active, .false., before)
+      call project(model, c, state, final, active, SECOND_HALF, before)
       state%turn = state%turn + state%poses%psi(:model%n_body, :)
    end subroutine c_step
 
@@ -242,11 +248,11 @@ contains
             if (model%cload(i)%dir <= 3) then
                state%f(lead, :) = state%f(lead, :) + force
                state%t(lead, :) = state%t(lead, :) + cross(arm, force)
-               if (state%cycle > 0) state%work = state%work + 0.5_wp* &
+               if (state%by_steps .and. state%cycle > 0) state%work = state%work + 0.5_wp* &
                   dot_product(force + state%load_force(:, entry), x - state%load_place(:, entry))
             else
                state%t(lead, :) = state%t(lead, :) + force
-               if (state%cycle > 0) state%work = state%work + 0.5_wp* &
+               if (state%by_steps .and. state%cycle > 0) state%work = state%work + 0.5_wp* &
                   dot_product(force + state%load_force(:, entry), state%poses%psi(lead, :))
             end if
             state%load_force(:, entry) = force
@@ -296,13 +302,46 @@ contains
             lead = model%gravity(i)%node(k)
             state%f(lead, :) = state%f(lead, :) + model%mass(lead)*g
             state%own_f(lead, :) = state%own_f(lead, :) + model%mass(lead)*g
-            if (c%steady(i)) cycle
+            if (c%steady(i) .or. .not. state%by_steps) cycle
             state%work = state%work + 0.5_wp*model%mass(lead)* &
                dot_product(g + state%field(:, i), h*state%v(lead, :))
          end do
          state%field(:, i) = g
       end do
    end subroutine add_field
+
+   !> Power of concentrated loads and of a changing field, with the velocities of the poses
+   real(wp) function load_power(model, c, state) result(power)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+
+      integer :: i, k, entry, lead
+
+      power = 0.0_wp
+      entry = 0
+      do i = 1, size(model%cload)
+         do k = 1, size(model%cload(i)%node)
+            entry = entry + 1
+            lead = model%lead(model%cload(i)%node(k))
+            associate (f => state%load_force(:, entry), w => state%poses%w(lead, :))
+               if (model%cload(i)%dir > 3) then
+                  power = power + dot_product(f, w)
+               else
+                  power = power + dot_product(f, state%poses%v(lead, :) + &
+                     cross(w, state%load_place(:, entry) - state%poses%x(lead, :)))
+               end if
+            end associate
+         end do
+      end do
+      do i = 1, size(model%gravity)
+         if (c%steady(i)) cycle
+         do k = 1, size(model%gravity(i)%node)
+            lead = model%gravity(i)%node(k)
+            power = power + model%mass(lead)*dot_product(state%field(:, i), state%poses%v(lead, :))
+         end do
+      end do
+   end function load_power
 
    pure function field_at(model, state, load) result(g)
       type(model_t), intent(in) :: model
