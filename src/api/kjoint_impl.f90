@@ -14,7 +14,7 @@ submodule (kjoint) kjoint_impl
    use kj_sample, only: new_sampler, sample_row
    use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
    use kj_c_build, only: build_c_model, new_c_state
-   use kj_c_advance, only: start_march, march, balance_ledger, SPLIT2, LIEMID, RKMK4
+   use kj_c_advance, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, RKMK4
    use kj_c_publish, only: publish
    implicit none
 
@@ -39,8 +39,8 @@ contains
          if (len(path) == 0) path = engine_path(starter)
          call read_engine(path, controls, sim%engine_source, findings, options%ignore_unsupported)
       end if
-      if (findings%n_error > 0) return
-      call build_model(sim%deck, controls, sim%model, findings)
+      if (.not. sim%deck%readable) return
+      call build_model(sim%deck, controls, sim%model, findings, sim%legacy)
       if (findings%n_error > 0) return
       associate (c => sim%model%control)
          if (options%until > 0.0_wp) c%t_stop = options%until
@@ -197,7 +197,7 @@ contains
             arrived = .false.
             do while (.not. (arrived .or. stop))
                call march(sim%model, sim%c_model, t_end, tick_cycles(sim%model), sim%march, cs, arrived)
-               call check_finite(cs, error)
+               call check_state(sim, error)
                if (allocated(error)) return
                sim%state%cycle = cs%cycle
                sim%state%time = cs%time
@@ -229,13 +229,27 @@ contains
       if (.not. allocated(sim%state%ortho)) allocate (sim%state%ortho(sim%model%n_joint), source=0.0_wp)
    end subroutine start_consistent
 
-   subroutine check_finite(state, error)
-      type(c_state_t), intent(in) :: state
+   !> The run is still where the formulation holds
+   subroutine check_state(sim, error)
+      type(simulation_t), intent(in) :: sim
       type(error_t), allocatable, intent(out) :: error
 
-      if (all(ieee_is_finite(state%v)) .and. all(ieee_is_finite(state%l))) return
-      call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '//str(state%cycle))
-   end subroutine check_finite
+      integer :: j, at
+
+      associate (state => sim%c_state, model => sim%model)
+         if (.not. (all(ieee_is_finite(state%v)) .and. all(ieee_is_finite(state%l)))) then
+            call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '//str(state%cycle))
+            return
+         end if
+         at = full_turn(sim%c_model, state)
+         if (at == 0) return
+         do j = 1, model%n_joint
+            if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
+            call fail(error, ERR_RUN, 'joint '//str(model%joint(j)%id)//' has come to a whole turn: '// &
+               'three free rotations with springs or a length end there (cycle '//str(state%cycle)//')')
+         end do
+      end associate
+   end subroutine check_state
 
    module procedure simulation_title
       title = sim%model%title

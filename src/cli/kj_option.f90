@@ -67,7 +67,7 @@ module kj_option
       option_t(OPT_FORMULATION,  '',   '--formulation',       'NAME',   'run', &
                'of the joints: consistent (default) or legacy'), &
       option_t(OPT_INTEGRATOR,   '',   '--integrator',        'NAME',   'run', &
-               'of the bodies: split2 (default), or legacy with that formulation'), &
+               'of the bodies: split2 (default), liemid, rkmk4; legacy with legacy'), &
       option_t(OPT_DT_RULE,      '',   '--dt-rule',           'NAME',   'run', &
                'critical time step: safe (default), or nodal as Radioss has it'), &
       option_t(OPT_DT_SCALE,     '',   '--dt-scale',          'S',      'run', &

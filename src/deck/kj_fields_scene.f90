@@ -2,7 +2,7 @@
 module kj_fields_scene
    use kj_units, only: D_LENGTH, D_NUMBER
    use kj_field, only: field_t, EACH, ONCE, ROWS, IDS, PAIRS, TRIPLES, CLAUSES
-   use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_NODE, KW_CNODE, KW_PART, KW_SPRING, &
+   use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_NODE, KW_PART, KW_SPRING, &
       KW_MAT_VOID, KW_GRNOD_NODE, KW_GRNOD_NODENS, KW_GRNOD_GRNOD, KW_GRNOD_GENE, &
       KW_GRNOD_GEN_INCR, KW_GRNOD_PART, KW_GRNOD_BOX, KW_BOX_RECTA, KW_SET_GENERAL, &
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
@@ -28,10 +28,6 @@ module kj_fields_scene
    field_t(KW_NODE,           EACH, 1, ROWS,    11,  30, 'X',            'r', D_LENGTH, 0, 'x coordinate'), &
    field_t(KW_NODE,           EACH, 1, ROWS,    31,  50, 'Y',            'r', D_LENGTH, 0, 'y coordinate'), &
    field_t(KW_NODE,           EACH, 1, ROWS,    51,  70, 'Z',            'r', D_LENGTH, 0, 'z coordinate'), &
-   field_t(KW_CNODE,          EACH, 1, ROWS,     1,  10, 'id',           'i', D_NUMBER, 0, 'node id'), &
-   field_t(KW_CNODE,          EACH, 1, ROWS,    11,  30, 'X',            'r', D_LENGTH, 0, 'x coordinate'), &
-   field_t(KW_CNODE,          EACH, 1, ROWS,    31,  50, 'Y',            'r', D_LENGTH, 0, 'y coordinate'), &
-   field_t(KW_CNODE,          EACH, 1, ROWS,    51,  70, 'Z',            'r', D_LENGTH, 0, 'z coordinate'), &
    field_t(KW_PART,           EACH, 1, ONCE,     1,  10, 'prop_id',      'i', D_NUMBER, 0, 'property'), &
    field_t(KW_PART,           EACH, 1, ONCE,    11,  20, 'mat_id',       'i', D_NUMBER, 0, 'material, 0 for springs and joints'), &
    field_t(KW_PART,           EACH, 1, ONCE,    21,  30, 'subset_id',    'i', D_NUMBER, 0, 'subset'), &

@@ -59,7 +59,7 @@ module kj_keywords
       keyword_t(KW_OTHER,          '/UNIT/LENGTH',     T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
       keyword_t(KW_OTHER,          '/UNIT/TIME',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
       keyword_t(KW_NODE,           '/NODE',            F, READ_IT, HU, 'nodes: id and coordinates'), &
-      keyword_t(KW_CNODE,          '/CNODE',           F, READ_IT, HN, 'nodes that are merged with others at their place'), &
+      keyword_t(KW_CNODE,          '/CNODE',           F, OUT_OF_SCOPE, HN, 'merging of nodes: use /NODE'), &
       keyword_t(KW_PART,           '/PART',            T, READ_IT, HI, 'elements of one property and material'), &
       keyword_t(KW_SUBSET,         '/SUBSET',          T, NOTE_IT, HI, 'set of parts, for output only'), &
       keyword_t(KW_SPRING,         '/SPRING',          F, READ_IT, HI, 'springs and joints of a part: id and nodes'), &

@@ -17,6 +17,7 @@ module kj_th
       character(len=10), allocatable :: variable(:)   !! names that exist, DEF and the like too
       type(ids_t) :: object                     !! ids of nodes, springs, bodies or parts
       integer, allocatable :: skew(:)           !! (object%n) axes of the components, NODE only
+      type(ids_t) :: axes                       !! the same with its places, NODE only
       logical :: all = .false.                  !! RBODY, PART: a first id 0 asks for all
    end type th_t
 
@@ -179,6 +180,7 @@ contains
          n = n + 1
          if (with_skew) call read_integer_at(deck, line, cut%first(2), cut%last(2), 'skew_id', &
             'axes of the components', skew(n), findings)
+         if (with_skew) call add_id(th%axes, skew(n), line, cut%first(2), cut%last(2))
       end do
       th%skew = skew(:n)
    end subroutine read_objects

@@ -21,6 +21,7 @@ module kj_c_batch
       integer :: chart = 0                       !! CHART_ constant
       logical :: mean = .true.                   !! translations in the mean frame, else of body 1
       integer :: law(NDOF) = 0                   !! LAW_ bits of kj_joint_batch
+      logical, allocatable :: plain(:)           !! (n) equal springs without a length: no frame needed
       logical :: damped = .false.                !! any dof has damping
       integer, allocatable :: lead(:, :)         !! (n, 2)
       real(wp), allocatable :: arm(:, :)         !! (n, 6) node 1 and node 2 from their leads, body axes

@@ -216,10 +216,12 @@ contains
 
    !> Three free rotations: rotation vector of p on the branch nearest to the last one, in the frame
    !> Em = E1 Exp(theta/2): rot = Em T, T = n n^T + (a/2)/sin(a/2) (1 - n n^T).
-   !> Mean translations: A1^T = 1/2 - 1/2 tan(a/4) [n], A2^T = 1/2 + 1/2 tan(a/4) [n].
-   pure subroutine vector_chart(n, mean, t1, p, r, theta, e, a1, a2, rot, em)
+   !> Mean translations: A1^T = 1/2 - 1/2 tan(a/4) [n], A2^T = 1/2 + 1/2 tan(a/4) [n]. That is singular
+   !> at a whole turn; joints whose translations need no frame (plain) take that of body 1.
+   pure subroutine vector_chart(n, mean, plain, t1, p, r, theta, e, a1, a2, rot, em)
       integer, intent(in) :: n
       logical, intent(in) :: mean                   !! fill e, a1, a2
+      logical, intent(in) :: plain(BLOCK)
       real(wp), intent(in) :: t1(BLOCK, 4), p(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(inout) :: theta(BLOCK, 3)    !! last rotation vector in, new one out
       real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
@@ -247,10 +249,18 @@ contains
          end do
       end do
       if (.not. mean) return
-      e(:n, :) = em(:n, :)
+      call quaternion_frame(n, t1, e)
+      do i = 1, n
+         if (.not. plain(i)) e(i, :) = em(i, :)
+      end do
       do k = 1, 7, 3
          call couple(n, r, e(:, k:k + 2), a2(:, k:k + 2))
          do i = 1, n
+            if (plain(i)) then
+               a1(i, k:k + 2) = a2(i, k:k + 2)
+               a2(i, k:k + 2) = 0.0_wp
+               cycle
+            end if
             t = tan(0.25_wp*a(i))
             associate (y => a2(i, k:k + 2))
                q(i, 2:4) = t*(em(i, 1:3)*axis(i, 1) + em(i, 4:6)*axis(i, 2) + em(i, 7:9)*axis(i, 3))

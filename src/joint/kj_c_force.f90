@@ -84,6 +84,7 @@ contains
       real(wp), dimension(BLOCK, 4) :: q1, q2, t1, t2, p
       real(wp), dimension(BLOCK, 3) :: r, arm1, arm2, xl
       real(wp) :: c1(BLOCK, 4), c2(BLOCK, 4), a(BLOCK, 3)
+      logical :: plain(BLOCK)
       integer :: i, k, to
 
       to = from + n - 1
@@ -111,7 +112,8 @@ contains
          call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), e, m1, m2, rot)
          rot_d(:n, :) = rot(:n, :)
       case (CHART_VECTOR)
-         call vector_chart(n, batch%mean, t1, p, r, q(:, 4:6), e, m1, m2, rot, rot_d)
+         plain(:n) = batch%plain(from:to)
+         call vector_chart(n, batch%mean, plain, t1, p, r, q(:, 4:6), e, m1, m2, rot, rot_d)
       case default
          ortho(:n) = batch%angle0(from:to)
          a(:n, 1) = ortho(:n)

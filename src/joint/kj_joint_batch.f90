@@ -14,8 +14,7 @@ module kj_joint_batch
    integer, parameter, public :: LAW_SPRING_CURVE = 4  !! tabulated elastic force
    integer, parameter, public :: LAW_DAMPER_CURVE = 8  !! tabulated damping force
 
-   integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kind of a batch: /PROP/TYPE33,
-                                                             !! TYPE45
+   integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kinds: /PROP/TYPE33, /PROP/TYPE45
 
    !> What a dof does, state%flag
    integer, parameter, public :: DOF_FREE = 0, DOF_SLIDING = 1, DOF_STICKING = 2, DOF_AT_STOP = 3, &
@@ -24,19 +23,15 @@ module kj_joint_batch
    !> Stops, friction, lock and automatic stiffness of a limited batch (KJOINT2 only).
    !>
    !> A stop 0 is no stop. Where a dof has friction its stop is the friction spring that may no
-   !> longer slide; where it has none the stop has stiffness k, or that of the blocked dofs if k =
-   !> 0.
+   !> longer slide; where it has none the stop has stiffness k, or for k = 0 that of blocked dofs.
    type :: limits_t
       real(wp), allocatable :: lo(:, :), hi(:, :)   !! (n, 6) stops, lo <= 0 <= hi
-      real(wp), allocatable :: combined(:, :)   !! (n, 6) 1 where the stop is shared with other
-                                                !! dofs, else 0
+      real(wp), allocatable :: combined(:, :)   !! (n, 6) 1 where dofs share the stop, else 0
       real(wp), allocatable :: k(:, :)          !! (n, 6) stiffness of friction or stop
-      real(wp), allocatable :: slip(:, :)       !! (n, 6) largest friction force, or scale of its
-                                                !! curve
+      real(wp), allocatable :: slip(:, :)       !! (n, 6) friction limit, or scale of its curve
       integer, allocatable :: slip_curve(:, :)  !! (n, 6) curve of q, 0 = none
       real(wp), allocatable :: cr(:)            !! (n) critical damping ratio where a limit acts
-      real(wp), allocatable :: k_block(:, :)    !! (n, 2) stiffness of blocked translations,
-                                                !! rotations
+      real(wp), allocatable :: k_block(:, :)    !! (n, 2) blocked translations, rotations
       logical, allocatable :: automatic(:)      !! (n) k_block comes from the first step
       real(wp), allocatable :: scale(:)         !! (n) SCF: scale of the automatic stiffness
       real(wp), allocatable :: t_lock(:), t_free(:)   !! (n) locked while t_lock < t <= t_free

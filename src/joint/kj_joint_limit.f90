@@ -83,8 +83,8 @@ contains
 
       to = from + n - 1
       if (iand(batch%law(dof), LAW_SPRING_CURVE) /= 0) then
-         call add_spring_curve_slope(n, curves, batch%k_curve(from:to, dof), batch%k(from:to, &
-            dof), q, f, k_eff, k_top)
+         call add_spring_curve_slope(n, curves, batch%k_curve(from:to, dof), &
+            batch%k(from:to, dof), q, f, k_eff, k_top)
       else
          call add_spring(n, q, batch%k(from:to, dof), f, k_eff, k_top)
       end if
@@ -153,10 +153,10 @@ contains
       s = merge(1, 2, dof <= 3)
       associate (l => batch%limit, k_block => state%k_block(from:to, s))
          call plain_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), over, direction, close)
-         call combined_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), l%combined(from:to, &
-            dof), reach, over, direction, close)
-         rubs(:n) = has_friction(l%k(from:to, dof), l%slip(from:to, dof), l%slip_curve(from:to, &
-            dof))
+         call combined_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), &
+            l%combined(from:to, dof), reach, over, direction, close)
+         rubs(:n) = has_friction(l%k(from:to, dof), l%slip(from:to, dof), &
+            l%slip_curve(from:to, dof))
          call add_friction(n, curves, l%slip_curve(from:to, dof), l%k(from:to, dof), &
             l%slip(from:to, dof), l%combined(from:to, dof), over, direction, q, qdot*h12, &
             state%friction(from:to, dof), f, k_eff, k_top, state%slip_energy(from:to), slides, acts)

@@ -21,13 +21,14 @@ contains
    !> How far q is beyond the stops of a dof; a stop 0 is none.
    !>
    !> over = max(0, q - hi) for q, hi > 0;  min(0, q - lo) for q, lo < 0
+   !>
+   !> Legacy quirk, kept on purpose: only the upper stop is seen from near.
    pure subroutine plain_overlap(n, q, lo, hi, over, direction, close)
       integer, intent(in) :: n
       real(wp), intent(in) :: q(n), lo(n), hi(n)
       real(wp), intent(out) :: over(n)          !! signed
       real(wp), intent(out) :: direction(n)     !! of the stop force: 1
-      logical, intent(out) :: close(n)          !! within a thousandth of the upper stop (legacy:
-                                                !! of that alone)
+      logical, intent(out) :: close(n)          !! within a thousandth of the upper stop
 
       integer :: i
 
@@ -87,8 +88,7 @@ contains
          any(has_friction(limit%k(j, :), limit%slip(j, :), limit%slip_curve(j, :)))
    end function has_limits
 
-   !> Friction: a spring on the increments of q that slips at its limit; beyond a stop it does not
-   !> slip.
+   !> Friction: a spring on the increments of q that slips at its limit, but not beyond a stop.
    !>
    !>   r := r + k dq, limited to |r| <= slip |g(q)|,  f += r,  energy += r (trial - r)/k
    !>

@@ -2,14 +2,14 @@
 module kj_build_joint
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
-   use kj_sort, only: find, lookup_t, new_lookup
+   use kj_sort, only: find
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: KJOINT, KJOINT2, LAW_SPRING, LAW_DAMPER, LAW_SPRING_CURVE, &
       LAW_DAMPER_CURVE
-   use kj_keywords, only: KW_KJOINT, KW_KJOINT2, KW_PART, KW_SPRING
+   use kj_keywords, only: KW_KJOINT, KW_KJOINT2
    use kj_deck_data, only: deck_t, title_of
-   use kj_cards, only: cards_t, rows_t, read_cards, read_rows, report, report_row
-   use kj_draft, only: draft_t, blocks_of, block_lookup, reference
+   use kj_cards, only: cards_t, rows_t, read_cards, report_row
+   use kj_draft, only: draft_t, blocks_of
    use kj_model, only: model_t
    use kj_joint_draft, only: property_t, joint_t
    use kj_build_property, only: read_property
@@ -34,108 +34,56 @@ contains
       type(joint_t), allocatable :: joint(:)
       integer, allocatable :: blocks(:)
       type(cards_t) :: cards
-      type(lookup_t) :: parts
-      integer, allocatable :: part_property(:)
       integer :: i
 
       blocks = [blocks_of(deck, KW_KJOINT), blocks_of(deck, KW_KJOINT2)]
-      call block_lookup(deck, blocks, draft%property)
       allocate (property(size(blocks)))
       do i = 1, size(blocks)
          call read_cards(deck, blocks(i), cards, findings)
-         if (count(deck%block(blocks)%id == deck%block(blocks(i))%id) > 1) &
-            call report(deck, cards, 'type', SEV_ERROR, 'KJ-0079', 'property '// &
-            str(deck%block(blocks(i))%id)//' is defined twice', 'used before', findings)
          if (deck%block(blocks(i))%keyword == KW_KJOINT2) then
             call read_property2(deck, cards, draft, property(i), findings)
          else
             call read_property(deck, cards, draft, property(i), findings)
          end if
       end do
-      draft%part_block = blocks_of(deck, KW_PART)
-      call block_lookup(deck, draft%part_block, parts)
-      allocate (part_property(size(draft%part_block)))
-      do i = 1, size(draft%part_block)
-         call read_cards(deck, draft%part_block(i), cards, findings)
-         part_property(i) = reference(deck, cards, 'prop_id', draft%property, 'property', &
-            'KJ-0178', findings)
-      end do
-      call read_springs(deck, draft, parts, part_property, property, joint, model, findings)
+      call read_springs(deck, draft, property, joint, model, findings)
       if (findings%n_error == 0) call fill_batches(property, joint, model)
    end subroutine build_joints
 
-   !> /SPRING elements of joint properties
-   subroutine read_springs(deck, draft, parts, part_property, property, joint, model, findings)
+   !> Elements of the parts whose property is one of joints: these come first among the properties
+   subroutine read_springs(deck, draft, property, joint, model, findings)
       type(deck_t), intent(in) :: deck
       type(draft_t), intent(in) :: draft
-      type(lookup_t), intent(in) :: parts
-      integer, intent(in) :: part_property(:)
       type(property_t), intent(in) :: property(:)
       type(joint_t), allocatable, intent(out) :: joint(:)
       type(model_t), intent(inout) :: model
       type(finding_list_t), intent(inout) :: findings
 
-      integer, allocatable :: blocks(:)
-      type(rows_t), allocatable :: rows(:)
       integer :: b, i, n, part
 
-      blocks = blocks_of(deck, KW_SPRING)
-      allocate (rows(size(blocks)))
-      do b = 1, size(blocks)
-         call read_rows(deck, blocks(b), rows(b), findings)
-      end do
-      n = sum(rows%n)
-      allocate (joint(n), model%joint(n), model%joint_name(n))
+      allocate (joint(draft%elements%n), model%joint(draft%elements%n), &
+         model%joint_name(draft%elements%n))
       n = 0
-      do b = 1, size(blocks)
-         part = find(parts, deck%block(blocks(b))%id)
-         if (part == 0) then
-            if (rows(b)%n > 0) call report_row(deck, blocks(b), rows(b), 1, 'id', SEV_ERROR, &
-               'KJ-0402', &
-               'part '//str(deck%block(blocks(b))%id)//' of these elements is not defined', &
-               'element without a part', findings)
-            cycle
-         end if
-         if (part_property(part) == 0) cycle
-         do i = 1, rows(b)%n
-            n = n + 1
-            joint(n)%property = part_property(part)
-            model%joint(n)%id = rows(b)%ints(i, 1)
-            model%joint(n)%part = deck%block(blocks(b))%id
-            model%joint_name(n)%s = title_of(deck, draft%part_block(part))
-            call attach(deck, blocks(b), rows(b), i, draft, model, property, joint(n), findings)
-         end do
+      do b = 1, size(draft%elements%block)
+         associate (block => draft%elements%block(b), rows => draft%elements%rows(b))
+            part = find(draft%part, deck%block(block)%id)
+            if (part == 0) cycle
+            if (draft%part_property(part) == 0) cycle
+            if (draft%part_property(part) > size(property)) cycle
+            do i = 1, rows%n
+               n = n + 1
+               joint(n)%property = draft%part_property(part)
+               model%joint(n)%id = rows%ints(i, 1)
+               model%joint(n)%part = deck%block(block)%id
+               model%joint_name(n)%s = title_of(deck, draft%part_block(part))
+               call attach(deck, block, rows, i, draft, model, property, joint(n), findings)
+            end do
+         end associate
       end do
       model%n_joint = n
       joint = joint(:n)
       model%joint = model%joint(:n)
-      call report_double_joints(deck, blocks, rows, findings)
    end subroutine read_springs
-
-   subroutine report_double_joints(deck, blocks, rows, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: blocks(:)
-      type(rows_t), intent(in) :: rows(:)
-      type(finding_list_t), intent(inout) :: findings
-
-      integer, allocatable :: id(:), block(:), row(:)
-      type(lookup_t) :: lookup
-      integer :: b, i
-
-      allocate (id(0), block(0), row(0))
-      do b = 1, size(rows)
-         id = [id, rows(b)%ints(:rows(b)%n, 1)]
-         block = [block, spread(b, 1, rows(b)%n)]
-         row = [row, [(i, i=1, rows(b)%n)]]
-      end do
-      call new_lookup(id, lookup)
-      do i = 2, size(id)
-         if (lookup%id(i) /= lookup%id(i - 1)) cycle
-         b = block(lookup%place(i))
-         call report_row(deck, blocks(b), rows(b), row(lookup%place(i)), 'id', SEV_ERROR, &
-            'KJ-0079', 'element '//str(lookup%id(i))//' is defined twice', 'used before', findings)
-      end do
-   end subroutine report_double_joints
 
    !> Nodes, bodies, initial frame and constants of one element
    subroutine attach(deck, block, rows, i, draft, model, property, joint, findings)

@@ -3,14 +3,15 @@ module kj_build_load
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: sort_unique
-   use kj_units, only: dimensions, D_FORCE, D_MOMENT, D_VELOCITY, D_ANGULAR_VELOCITY, D_LENGTH, D_ACCELERATION, &
-      D_ANGULAR_ACCELERATION, D_NUMBER
+   use kj_units, only: dimensions, D_FORCE, D_MOMENT, D_VELOCITY, D_ANGULAR_VELOCITY, D_LENGTH, &
+      D_ACCELERATION, &
+      D_ANGULAR_ACCELERATION, D_NUMBER, D_TIME
    use kj_keywords, only: KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, KW_IMPDISP, KW_IMPACC
    use kj_deck_data, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
    use kj_draft, only: draft_t, blocks_of, reference, group_nodes
    use kj_model, only: model_t, bcs_t, load_t, motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT, &
-      IMPOSE_ACCELERATION
+      IMPOSE_ACCELERATION, BY_DISPLACEMENT, BY_VELOCITY
    implicit none
    private
 
@@ -41,7 +42,12 @@ contains
          call read_cards(deck, blocks(i), cards, findings)
          call read_code(deck, cards, fixed, findings)
          skew = reference(deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137', findings)
-         call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0678', findings, nodes)
+         call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0678', .true., findings, nodes)
+         if (size(nodes) > 0 .and. all(draft%new(nodes) > model%n_lead)) call report(deck, cards, &
+            'grnod_id', SEV_WARNING, 'KJ-9154', &
+            'a boundary condition on secondary nodes has no effect', &
+            'holds secondary nodes only', findings, &
+            hint='secondary nodes follow their body: hold its main node')
          do k = 1, size(nodes)
             lead = draft%new(nodes(k))
             if (lead > model%n_lead) cycle
@@ -57,7 +63,8 @@ contains
                bcs(n)%skew = skew
             else if (bcs(entry_of(lead))%skew /= skew) then
                call report(deck, cards, 'skew_id', SEV_ERROR, 'KJ-0148', 'node '// &
-                  str(draft%id(nodes(k)))//' has boundary conditions in two skews', 'another skew', findings)
+                  str(draft%id(nodes(k)))//' has boundary conditions in two skews', &
+                  'another skew', findings)
             end if
             bcs(entry_of(lead))%fixed = bcs(entry_of(lead))%fixed .or. fixed
          end do
@@ -115,7 +122,7 @@ contains
       if (load%sensed) load%t_start = draft%sensors(sensor)%t_start
       if (load%sensed) load%t_stop = draft%sensors(sensor)%t_stop
       load%x_scale = real_of(cards, 'Ascale')
-      if (abs(load%x_scale) <= 0.0_wp) load%x_scale = 1.0_wp
+      if (abs(load%x_scale) <= 0.0_wp) load%x_scale = factor_at(deck, cards%block, D_TIME)
    end subroutine read_load
 
    !> /GRAV: acts on leads only
@@ -138,15 +145,21 @@ contains
             if (len(text_of(cards, 'dir')) /= 1 .or. index('XYZ', text_of(cards, 'dir')) == 0) then
                load%dir = 3
                if (is_given(cards, 'dir')) call report(deck, cards, 'dir', SEV_WARNING, 'KJ-9122', &
-                  'the direction of gravity is not X, Y or Z: Z is taken', 'expected: X, Y or Z', findings)
+                  'the direction of gravity is not X, Y or Z: Z is taken', 'expected: X, Y or Z', &
+                  findings)
             end if
             call read_load(deck, cards, draft, 'KJ-0154', load, findings)
             load%y_scale = real_of(cards, 'Fscale')
-            if (abs(load%y_scale) <= 0.0_wp) load%y_scale = factor_at(deck, blocks(i), D_ACCELERATION)
-            call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', findings, nodes)
+            if (abs(load%y_scale) <= 0.0_wp) load%y_scale = factor_at(deck, blocks(i), &
+               D_ACCELERATION)
+            call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', .false., findings, nodes)
             load%node = draft%new(nodes)
             if (int_of(cards, 'grnod_id') == 0) load%node = [(k, k=1, model%n_lead)]
             load%node = sort_unique(pack(load%node, load%node <= model%n_lead))
+            if (size(nodes) > 0 .and. size(load%node) == 0) call report(deck, cards, 'grnod_id', &
+               SEV_WARNING, 'KJ-9155', 'gravity on secondary nodes has no effect', &
+               'holds secondary nodes only', findings, &
+               hint='a body feels gravity where its main node is in the group')
          end associate
       end do
    end subroutine build_gravity
@@ -170,15 +183,42 @@ contains
             load%dir = max(1, direction_of(deck, cards, 6, 'KJ-0149', findings))
             call read_load(deck, cards, draft, 'KJ-9123', load, findings)
             load%abscissa = max(1, int_of(cards, 'Itypfun'))
-            if (load%abscissa > 3) call report(deck, cards, 'Itypfun', SEV_ERROR, 'KJ-9124', &
+            if (load%abscissa > 3 .or. int_of(cards, 'Itypfun') < 0) call report(deck, cards, &
+               'Itypfun', SEV_ERROR, 'KJ-9124', &
                'the abscissa type is not 0, 1, 2 or 3', 'expected: 0 to 3', findings)
             load%y_scale = scale_of(cards, 'Fscale')* &
                factor_at(deck, blocks(i), merge(D_FORCE, D_MOMENT, load%dir <= 3))
-            call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', findings, nodes)
+            call scale_abscissa(deck, cards, draft%legacy, load, findings)
+            call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', .true., findings, nodes)
             load%node = draft%new(nodes)
          end associate
       end do
    end subroutine build_cloads
+
+   !> Ascale of a load over displacement or velocity in its own unit; OpenRadioss, and so the legacy
+   !> formulation, takes it for a time
+   subroutine scale_abscissa(deck, cards, legacy, load, findings)
+      type(deck_t), intent(in) :: deck
+      type(cards_t), intent(in) :: cards
+      logical, intent(in) :: legacy
+      type(load_t), intent(inout) :: load
+      type(finding_list_t), intent(inout) :: findings
+
+      integer, parameter :: UNIT_OF(2, 2) = reshape([D_LENGTH, D_NUMBER, D_VELOCITY, &
+         D_ANGULAR_VELOCITY], [2, 2])
+      real(wp) :: wanted, is
+
+      if (load%abscissa < BY_DISPLACEMENT .or. load%abscissa > BY_VELOCITY) return
+      wanted = factor_at(deck, cards%block, UNIT_OF(merge(1, 2, load%dir <= 3), load%abscissa - 1))
+      is = factor_at(deck, cards%block, D_TIME)
+      if (.not. legacy) load%x_scale = load%x_scale*(wanted/is)
+      if (legacy .and. abs(wanted - is) > 4.0_wp*epsilon(is)*is) call report(deck, cards, &
+         'Itypfun', &
+         SEV_WARNING, 'KJ-9209', &
+         'the legacy scheme takes the scale of a displacement or velocity '// &
+         'for a time when it converts units', 'not over time', findings, &
+         hint='use the same input and work units')
+   end subroutine scale_abscissa
 
    !> Input to work units of one dimension in one block
    pure real(wp) function factor_at(deck, block, dim) result(factor)
@@ -207,13 +247,14 @@ contains
       type(model_t), intent(inout) :: model
       type(finding_list_t), intent(inout) :: findings
 
-      type(motion_t), allocatable :: all_motions(:)
+      type(motion_t), allocatable :: all_motions(:), longer(:)
       type(motion_t) :: motion
       integer, allocatable :: nodes(:)
       type(cards_t) :: cards
-      integer :: i, k, kind
+      integer :: i, k, n, kind
 
-      allocate (all_motions(0))
+      allocate (all_motions(16))
+      n = 0
       do i = 1, deck%n_block
          select case (deck%block(i)%keyword)
          case (KW_IMPVEL); kind = IMPOSE_VELOCITY
@@ -223,19 +264,26 @@ contains
          end select
          call read_cards(deck, i, cards, findings)
          call read_motion(deck, i, cards, draft, kind, motion, findings)
-         call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', findings, nodes)
+         call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', .true., findings, nodes)
          do k = 1, size(nodes)
             motion%lead = draft%new(nodes(k))
-            if (motion%lead <= model%n_lead) then
-               all_motions = [all_motions, motion]
-            else
+            if (motion%lead > model%n_lead) then
                call report(deck, cards, 'grnod_id', SEV_WARNING, 'KJ-0147', 'node '// &
-                  str(draft%id(nodes(k)))//' is a secondary node: its imposed motion has no effect', &
+                  str(draft%id(nodes(k)))// &
+                  ' is a secondary node: its imposed motion has no effect', &
                   'holds a secondary node', findings)
+               cycle
             end if
+            if (n == size(all_motions)) then
+               allocate (longer(2*n))
+               longer(:n) = all_motions
+               call move_alloc(longer, all_motions)
+            end if
+            n = n + 1
+            all_motions(n) = motion
          end do
       end do
-      call move_alloc(all_motions, model%motion)
+      model%motion = all_motions(:n)
    end subroutine build_motions
 
    subroutine read_motion(deck, block, cards, draft, kind, motion, findings)
@@ -246,7 +294,8 @@ contains
       type(motion_t), intent(out) :: motion
       type(finding_list_t), intent(inout) :: findings
 
-      integer, parameter :: UNIT_OF(2, 3) = reshape([D_VELOCITY, D_ANGULAR_VELOCITY, D_LENGTH, D_NUMBER, &
+      integer, parameter :: UNIT_OF(2, 3) = reshape([D_VELOCITY, D_ANGULAR_VELOCITY, D_LENGTH, &
+         D_NUMBER, &
          D_ACCELERATION, D_ANGULAR_ACCELERATION], [2, 3])
       type(load_t) :: load
 
@@ -257,7 +306,8 @@ contains
       motion%skew = load%skew
       motion%sensed = load%sensed
       motion%x_scale = load%x_scale
-      motion%y_scale = scale_of(cards, 'Fscale')*factor_at(deck, block, UNIT_OF(merge(1, 2, motion%dir <= 3), kind))
+      motion%y_scale = scale_of(cards, 'Fscale')*factor_at(deck, block, UNIT_OF(merge(1, 2, &
+         motion%dir <= 3), kind))
       motion%t_start = real_of(cards, 'Tstart')
       if (real_of(cards, 'Tstop') > 0.0_wp) motion%t_stop = real_of(cards, 'Tstop')
       if (load%sensed) then
@@ -266,9 +316,11 @@ contains
          motion%t_stop = min(motion%t_stop, load%t_stop)
       end if
       if (kind == IMPOSE_ACCELERATION) return
-      if (int_of(cards, 'frame_id') /= 0) call report(deck, cards, 'frame_id', SEV_ERROR, 'KJ-9125', &
+      if (int_of(cards, 'frame_id') /= 0) call report(deck, cards, 'frame_id', SEV_ERROR, &
+         'KJ-9125', &
          'imposed motion in a frame is not supported', 'expected: 0', findings)
-      if (int_of(cards, 'frame_id') /= 0 .and. load%skew /= 0) call report(deck, cards, 'frame_id', SEV_ERROR, &
+      if (int_of(cards, 'frame_id') /= 0 .and. load%skew /= 0) call report(deck, cards, &
+         'frame_id', SEV_ERROR, &
          'KJ-0491', 'a skew and a frame are given together', 'expected: 0', findings)
    end subroutine read_motion
 

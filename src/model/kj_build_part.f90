@@ -20,7 +20,7 @@ contains
       type(draft_t), intent(inout) :: draft
       type(finding_list_t), intent(inout) :: findings
 
-      type(lookup_t) :: property, material
+      type(lookup_t) :: material
       type(cards_t) :: cards
       integer, allocatable :: materials(:)
       integer :: i, place
@@ -28,15 +28,17 @@ contains
       draft%property_block = [blocks_of(deck, KW_KJOINT), blocks_of(deck, KW_KJOINT2), &
          blocks_of(deck, KW_SPRING4), blocks_of(deck, KW_SPRING8)]
       call report_double_blocks(deck, draft%property_block, 'property', findings)
-      call block_lookup(deck, draft%property_block, property)
+      call block_lookup(deck, draft%property_block, draft%property)
       materials = [blocks_of(deck, KW_MAT_VOID), other_materials(deck)]
       call block_lookup(deck, materials, material)
       draft%part_block = blocks_of(deck, KW_PART)
       call block_lookup(deck, draft%part_block, draft%part)
       call report_double_blocks(deck, draft%part_block, 'part', findings)
+      allocate (draft%part_property(size(draft%part_block)))
       do i = 1, size(draft%part_block)
          call read_cards(deck, draft%part_block(i), cards, findings)
-         place = reference(deck, cards, 'prop_id', property, 'property', 'KJ-0178', findings)
+         draft%part_property(i) = reference(deck, cards, 'prop_id', draft%property, 'property', &
+            'KJ-0178', findings)
          if (int_of(cards, 'prop_id') == 0) call report(deck, cards, 'prop_id', SEV_ERROR, &
             'KJ-0178', 'the part has no property', 'expected: id of a property', findings)
          place = reference(deck, cards, 'mat_id', material, 'material', 'KJ-0179', findings)

@@ -48,7 +48,7 @@ module kj_draft
       integer, allocatable :: main_of(:)         !! body whose main node it is, 0 = none
       integer, allocatable :: new(:)             !! raw index -> model index
       ! others
-      type(lookup_t) :: group, skew, curve, sensor, part, property, joint_id, body_id
+      type(lookup_t) :: group, skew, curve, sensor, part, property, body_id
       type(group_t), allocatable :: groups(:)
       type(skew_set_t) :: skews                  !! nodes are raw indices
       type(lookup_t) :: frame
@@ -57,7 +57,9 @@ module kj_draft
       type(curve_set_t) :: curves
       type(sensor_t), allocatable :: sensors(:)
       type(elements_t) :: elements
-      integer, allocatable :: part_block(:), property_block(:), body_block(:)
+      integer, allocatable :: part_block(:), body_block(:)
+      integer, allocatable :: property_block(:)  !! KJOINT, KJOINT2, then springs of types 4 and 8
+      integer, allocatable :: part_property(:)   !! place in property_block, 0 = none
    end type draft_t
 
    !> How a header begins that could define what a field names
@@ -152,7 +154,8 @@ contains
          associate (row => keywords(deck%block(block)%row))
             if (row%status /= OUT_OF_SCOPE) cycle
             do i = 1, size(families)
-               if (families(i)%what == what .and. index(row%name, trim(families(i)%head)) == 1) return
+               if (families(i)%what == what .and. index(row%name, trim(families(i)%head)) == 1) &
+                  return
             end do
          end associate
       end do

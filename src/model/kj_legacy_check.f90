@@ -51,20 +51,17 @@ contains
          text = ': the legacy universal joint measures in a frame that it does not push in, '// &
             'so energy is not kept (some percent)'
       case (FALLING)
-         text = &
-            ': a stiffness curve falls somewhere: the legacy scheme takes the root of its slope '// &
-            'and gets NaN there'
+         text = ': a stiffness curve falls somewhere: the legacy scheme takes the root of its '// &
+            'slope and gets NaN there'
       case (BACKWARD)
-         text = &
-            ': a stiffness curve is above f(0) at negative abscissae: the time step of the legacy '// &
-            'scheme collapses there'
+         text = ': a stiffness curve is above f(0) at negative abscissae: the time step of the '// &
+            'legacy scheme collapses there'
       case (SHARED)
-         text = &
-            ': shares a KJOINT2 with stops, friction or a lock: OpenRadioss mixes the damping and '// &
-            'friction of such joints, here each is alone'
+         text = ': shares a KJOINT2 with stops, friction or a lock: OpenRadioss mixes damping '// &
+            'and friction of such joints, here each is alone'
       case (RUBBING)
-         text = &
-            ': friction on a universal KJOINT2: in OpenRadioss it spoils the axes, here it does not'
+         text = ': friction on a universal KJOINT2: in OpenRadioss it spoils the axes, here it '// &
+            'does not'
       end select
    end function text_of
 
@@ -87,8 +84,8 @@ contains
                count(model%joint%property == model%joint(j)%property) > 1
          case (RUBBING)
             acts = .false.
-            if (batch%limited .and. batch%frame == FRAME_CROSS) acts = &
-               any(has_friction( batch%limit%k(place, :), batch%limit%slip(place, :), &
+            if (batch%limited .and. batch%frame == FRAME_CROSS) acts = any(has_friction( &
+               batch%limit%k(place, :), batch%limit%slip(place, :), &
                batch%limit%slip_curve(place, :)))
          case default
             acts = bad_curve(model%curves, batch, place, defect)
@@ -96,8 +93,7 @@ contains
       end associate
    end function acts_on
 
-   !> A stiffness curve of the joint falls (with a reduced mass), or is above f(0) at a negative
-   !> knot
+   !> A stiffness curve of the joint falls (with a reduced mass), or is above f(0) at a knot < 0
    pure logical function bad_curve(curves, batch, place, defect) result(bad)
       type(curve_set_t), intent(in) :: curves
       type(joint_batch_t), intent(in) :: batch

@@ -3,7 +3,7 @@
 module kj_start_frame
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
-   use kj_math3, only: cross, unit, rotation, rotation_vector
+   use kj_math3, only: cross, unit, rotation, rotation_vector, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST
    use kj_deck_data, only: deck_t
    use kj_cards, only: rows_t, report_row
@@ -94,9 +94,8 @@ contains
 
    !> Initial frame of a KJOINT2: from its nodes, else from its first skew.
    !>
-   !> Two nodes: x from 1 to 2. Three: x from 1 to 3. Four: x from 1 to 3, y in the plane of 1, 3,
-   !> 4;
-   !> universal: y from 1 to 3, z from 1 to 4.
+   !> Two nodes: x from 1 to 2. Three: x from 1 to 3. Four: x from 1 to 3, y in the plane of 1, 3
+   !> and 4; universal: y from 1 to 3, z from 1 to 4.
    subroutine frame_of_nodes(deck, block, rows, i, draft, x, given, p, joint, findings)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: block, i
@@ -119,7 +118,7 @@ contains
             trim(joint_types(p%row)%name)//' joint needs '//str(N_NODE(type))// &
             ' nodes for its axes', 'expected: more nodes, or a skew in the property', findings)
       else if (given == 2 .and. N_NODE(type) == 2 .and. .not. has_skew) then
-         joint%frame = rotation([0.0_wp, 0.0_wp, 0.0_wp])
+         joint%frame = IDENTITY
       else if (given == 2 .and. .not. apart12) then
          joint%frame = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
       else if (norm2(x(:, min(given, 3)) - x(:, 1)) <= APART) then

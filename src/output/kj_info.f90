@@ -102,9 +102,9 @@ contains
          at = history%variable(i)%first
          n_comp = history%variable(i)%n_comp
          ! a gap is NaN where there is no stop
-         if (history%variable(i)%channel /= CH_J_GAP .and. &
-            history%variable(i)%channel /= CH_J_GAP_ROT) survey%n_bad = survey%n_bad + &
-            count(.not. abs(row(at:at + n_comp* history%variable(i)%n_entity - 1)) <= huge(1.0_wp))
+         if (all(history%variable(i)%channel /= [CH_J_GAP, CH_J_GAP_ROT])) &
+            survey%n_bad = survey%n_bad + count(.not. abs( &
+            row(at:at + n_comp*history%variable(i)%n_entity - 1)) <= huge(1.0_wp))
          if (history%variable(i)%channel == CH_TIME) time = row(at)
          if (history%variable(i)%channel == CH_TIME_STEP .and. row(at) > 0.0_wp) then
             survey%shortest_step = min(survey%shortest_step, row(at))

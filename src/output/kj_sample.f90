@@ -1,5 +1,4 @@
-!> Channel + state -> numbers: one row of a history at t(n), taken between the two halves of a
-!> cycle.
+!> Channel + state -> numbers: one row of a history at t(n), between the two halves of a cycle.
 module kj_sample
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
@@ -92,6 +91,7 @@ contains
       if (state%staggered) sampler%energy_error = energy_error(state, sampler%balance)
       sampler%gravity = 0.0_wp
       do i = 1, size(model%gravity)
+         if (.not. state%staggered) exit         ! the consistent f_own holds gravity
          do k = 1, size(model%gravity(i)%node)
             associate (lead => model%gravity(i)%node(k))
                sampler%gravity(lead, :) = sampler%gravity(lead, :) + &
@@ -231,8 +231,8 @@ contains
       if (.not. batch%limited) return
       associate (lo => batch%limit%lo(j, :), hi => batch%limit%hi(j, :), &
          combined => batch%limit%combined(j, :))
-         reach = norm2(combined(first:last)*(q(first:last) - 0.5_wp*(lo(first:last) + &
-            hi(first:last))))
+         reach = norm2(combined(first:last)* &
+            (q(first:last) - 0.5_wp*(lo(first:last) + hi(first:last))))
          do dof = first, last
             if (combined(dof) > 0.0_wp) then
                gap(dof) = 0.5_wp*(hi(dof) - lo(dof)) - reach
@@ -246,8 +246,7 @@ contains
    end function gaps
 
    !> Energy stored in the elastic laws of a joint: k q^2/2, or the integral of its curve; with
-   !> stops,
-   !> friction and lock
+   !> stops, friction and lock
    pure real(wp) function elastic_energy(model, state, batch, j) result(u)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state

@@ -4,6 +4,8 @@ module kj_c_advance
    use kj_kinds, only: wp
    use kj_model, only: model_t
    use kj_skew, only: axis_of
+   use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE
+   use kj_c_batch, only: CHART_VECTOR
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
    use kj_c_hold, only: held_force
@@ -13,10 +15,15 @@ module kj_c_advance
    implicit none
    private
 
-   public :: march_t, start_march, march, balance_ledger
+   public :: march_t, start_march, march, balance_ledger, full_turn
 
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3   !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
+
+   ! Joints that start with a jump ring, and near the limit ten times as far as they should, at the
+   ! cost of the energy. So a run starts with shorter steps until the ringing has died down.
+   real(wp), parameter :: START_PART = 1.0_wp/3.0_wp   !! of the step
+   real(wp), parameter :: START_SPAN = 100.0_wp        !! for that many whole steps
 
    !> Where the march stands
    type :: march_t
@@ -25,6 +32,8 @@ module kj_c_advance
       real(wp) :: factor = 0.9_wp                !! of the limit
       real(wp) :: most = huge(1.0_wp)            !! largest step allowed by the deck
       real(wp) :: limit = huge(1.0_wp)           !! longest step now
+      real(wp) :: start_end = 0.0_wp             !! time until which steps are shorter
+      logical :: starting = .false.              !! limit is still the shorter one
       integer :: joint = 0                       !! who holds it, index among all joints
       type(bound_t) :: bound
    end type march_t
@@ -41,8 +50,12 @@ contains
       state%by_steps = self%integrator /= RKMK4
       call new_bound(model, c, .not. state%by_steps, state, self%bound)
       call take_limit(model, c, state, self)
+      if (self%limit >= self%most .or. self%integrator == RKMK4) return
+      self%start_end = state%time + START_SPAN*self%limit
+      call take_limit(model, c, state, self)
    end subroutine start_march
 
+   !> The longest step now: factor of the limit, less at the start, or what the deck allows
    subroutine take_limit(model, c, state, self)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
@@ -55,8 +68,10 @@ contains
       if (self%nodal) call nodal_bound(model, c, state, h)
       self%limit = self%most
       self%joint = 0
+      self%starting = state%time < self%start_end
       if (h > self%most/self%factor) return
       self%limit = h*self%factor
+      if (self%starting) self%limit = START_PART*self%limit
       if (.not. self%nodal) self%joint = self%bound%joint
    end subroutine take_limit
 
@@ -92,7 +107,8 @@ contains
             exit
          end if
          if (modulo(i, LOOK) > 0) cycle
-         if (.not. has_moved(c, state, self%bound)) cycle
+         if (.not. (has_moved(c, state, self%bound) .or. &
+            (self%starting .and. state%time >= self%start_end))) cycle
          call renew_bound(c, state, self%bound)
          call take_limit(model, c, state, self)
          left = needed_steps(t_end - state%time, self%limit)
@@ -103,6 +119,26 @@ contains
       call renew_bound(c, state, self%bound)
       call take_limit(model, c, state, self)
    end subroutine march
+
+   !> A joint (index among all) whose three free rotations come to a whole turn, where their chart ends,
+   !> and that has a spring, a curve or a mean frame that hangs on them; 0 when there is none
+   pure integer function full_turn(c, state) result(joint)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+
+      real(wp), parameter :: NEAR = 6.2_wp           !! a little less than 2 pi [rad]
+      integer :: b, i
+
+      do b = 1, size(c%batch)
+         if (c%batch(b)%chart /= CHART_VECTOR) cycle
+         do i = 1, c%batch(b)%n
+            if (c%batch(b)%plain(i) .and. all(iand(c%batch(b)%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) == 0)) cycle
+            joint = c%batch(b)%first + i
+            if (norm2(state%joint(b)%q(i, 4:6)) > NEAR) return
+         end do
+      end do
+      joint = 0
+   end function full_turn
 
    pure integer function needed_steps(span, limit) result(n)
       real(wp), intent(in) :: span, limit

@@ -6,7 +6,7 @@ module kj_c_build
    use kj_joint_batch, only: joint_batch_t, LAW_DAMPER, LAW_DAMPER_CURVE
    use kj_model, only: model_t, load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
-   use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, CHART_UNIVERSAL
+   use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, CHART_UNIVERSAL, CHART_VECTOR
    use kj_c_force, only: N_C_WRENCH
    use kj_c_state, only: c_model_t, c_state_t, hold_t, row_t
    use kj_c_hold, only: motion_targets, project, WHOLE
@@ -233,6 +233,8 @@ contains
       batch%k_curve = old%k_curve
       batch%c_curve = old%c_curve
       batch%xl0 = old%xl0
+      batch%plain = [(all(joint_types(old%row)%free(1:3) == 0) .and. batch%mean .and. &
+         batch%chart == CHART_VECTOR .and. norm2(old%xl0(i, :)) <= 0.0_wp, i=1, old%n)]
       allocate (batch%arm(old%n, 6), batch%triad(old%n, 8), batch%angle0(old%n))
       batch%angle0 = 0.0_wp
       do i = 1, old%n

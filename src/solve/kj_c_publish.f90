@@ -1,7 +1,7 @@
 !> Consistent state -> the arrays that sampling reads, all at time t.
 module kj_c_publish
    use kj_kinds, only: wp
-   use kj_math3, only: cross, rotation_vector
+   use kj_math3, only: cross, rotation, rotation_vector
    use kj_model, only: model_t
    use kj_skew, only: skew_axes
    use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
@@ -164,6 +164,8 @@ contains
             out%energy = joint%elastic + joint%dissipated
             call joint_rates(c%batch(b), cs%poses, joint, out%qdot)
             do j = 1, c%batch(b)%n
+               if (c%batch(b)%plain(j)) call show_in_mean_frame(out%e(j, :), out%q(j, :), out%f(j, 1:3), &
+                  out%qdot(j, 1:3))
                state%ortho(c%batch(b)%first + j) = 0.0_wp
                if (c%batch(b)%chart == CHART_UNIVERSAL) &
                   state%ortho(c%batch(b)%first + j) = abs(asin(max(-1.0_wp, min(1.0_wp, joint%ortho(j)))))
@@ -172,6 +174,19 @@ contains
       end do
       call add_looseness(model, c, cs, state)
    end subroutine publish_joints
+
+   !> Components of a joint that needs no frame, from the frame of body 1 to the mean frame
+   pure subroutine show_in_mean_frame(e, q, f, rate)
+      real(wp), intent(inout) :: e(9), q(6), f(3), rate(3)
+
+      real(wp) :: half(3, 3)
+
+      half = rotation(0.5_wp*q(4:6))
+      e = reshape(matmul(reshape(e, [3, 3]), half), [9])
+      q(1:3) = matmul(q(1:3), half)
+      f = matmul(f, half)
+      rate = matmul(rate, half)
+   end subroutine show_in_mean_frame
 
    !> Turn of a loose skew away from the triad that its joint end carries
    subroutine add_looseness(model, c, cs, state)

@@ -2,6 +2,7 @@
 program accuracy_main
    use accuracy_check, only: check_t, say, quit
    use accuracy_order, only: check_order
+   use accuracy_ledger, only: check_ledger
    implicit none
 
    type(check_t) :: check
@@ -15,6 +16,8 @@ program accuracy_main
    select case (name)
    case ('order')
       call check_order(check, number)
+   case ('ledger')
+      call check_ledger(check)
    case default
       call say('there is no test '//name)
    end select

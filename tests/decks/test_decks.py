@@ -284,7 +284,8 @@ def knee(run, claims):
 
 
 CHECKS = (slider_crank, spherical_pendulum, revolute_pendulum, cylindrical_nut, planar_puck,
-          universal_shaft, translational_slider, oldham_coupling, rigid_weld, free_bushing, door_hinge, knee)
+          universal_shaft, translational_slider, oldham_coupling, rigid_weld, free_bushing,
+          door_hinge, knee)
 
 
 def check_run(outcome, run, formulation, deck, claims):
