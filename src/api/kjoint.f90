@@ -1,7 +1,8 @@
 !> The public module of kjoint: everything an embedder uses.
 module kjoint
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, &
+   use kj_error, only: error_t, finding_list_t, ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, &
+      SEV_NOTE, &
       SEV_WARNING, SEV_ERROR
    use kj_version, only: KJOINT_VERSION
    use kj_deck, only: deck_t, source_t
@@ -23,12 +24,14 @@ module kjoint
    !> What a run may be told; '' and 0 stand for the defaults
    type :: run_options_t
       character(len=12) :: formulation = ''  !! consistent (default) or legacy
-      character(len=12) :: integrator = ''   !! split2 (default of consistent), liemid, rkmk4; legacy
+      !> split2 (default of consistent), liemid, rkmk4; legacy
+      character(len=12) :: integrator = ''
       character(len=12) :: dt_rule = ''      !! safe (default of consistent) or nodal
       real(wp) :: until = -1.0_wp            !! end of the run, time; negative: /RUN
       real(wp) :: sample = -1.0_wp           !! sample interval, time; negative: /TFILE
       real(wp) :: dt_scale = 0.0_wp          !! factor on the critical step; 0: that of the deck
-      real(wp) :: energy_limit = -1.0_wp     !! largest energy error in percent; negative: 15, off under legacy
+      !> largest energy error in percent; negative: 15, off under legacy
+      real(wp) :: energy_limit = -1.0_wp
       logical :: ignore_unsupported = .false.   !! unsupported keywords become warnings
    end type run_options_t
 
@@ -39,7 +42,8 @@ module kjoint
       character(len=8) :: owner_kind = 'none'   !! what limits the step: none, node, body, joint
       integer :: owner = 0                      !! its user id
       real(wp) :: energy_error = 0.0_wp         !! fraction, of the last sample
-      real(wp) :: kinetic = 0.0_wp, internal = 0.0_wp, work = 0.0_wp   !! energies of the last sample
+      !> energies of the last sample
+      real(wp) :: kinetic = 0.0_wp, internal = 0.0_wp, work = 0.0_wp
       integer :: n_joint = 0, n_body = 0, n_node = 0
       integer :: n_sample = 0                   !! rows given to the sink
       integer :: print_every = 100              !! /PRINT: cycles between listing lines

@@ -1,25 +1,14 @@
-!> Bodies of the public module.
+!> Bodies of the public module: loading a deck, and what the history says of it.
 submodule (kjoint) kjoint_impl
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_error, only: fail, str
-   use kj_system, only: wall_clock
    use kj_deck, only: read_deck
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
-   use kj_legacy_check, only: warn_legacy, warn_large_turn
+   use kj_legacy_check, only: warn_legacy
    use kj_joint_types, only: joint_types
-   use kj_state, only: new_state, OWNER_JOINT
-   use kj_step, only: find_accelerations, advance
-   use kj_energy, only: balance_t, balance_of
-   use kj_sample, only: new_sampler, sample_row
+   use kj_sample, only: new_sampler
    use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
-   use kj_c_build, only: build_c_model, new_c_state
-   use kj_c_advance, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, RKMK4
-   use kj_c_publish, only: publish
    implicit none
-
-   integer, parameter :: TICK_WORK = 20000      !! joint-cycles between two looks of the monitor
-   character(len=8), parameter :: OWNER_NAME(0:3) = ['none    ', 'node    ', 'body    ', 'joint   ']
 
 contains
 
@@ -47,8 +36,10 @@ contains
          if (options%sample >= 0.0_wp) c%sample = options%sample
          if (options%dt_scale > 0.0_wp) c%dt_factor = options%dt_scale
          if (.not. c%t_stop >= 0.0_wp) call fail(error, ERR_INPUT, 'the end time is negative')
-         if (.not. sim%legacy .and. (c%below_min == SCALE_MASS .or. c%below_min == SCALE_MASS_NEXT)) &
-            call fail(error, ERR_INPUT, '/DT/NODA/CST adds mass: only the legacy formulation does that')
+         if (.not. sim%legacy .and. (c%below_min == SCALE_MASS .or. &
+            c%below_min == SCALE_MASS_NEXT)) &
+            call fail(error, ERR_INPUT, &
+               '/DT/NODA/CST adds mass: only the legacy formulation does that')
       end associate
       if (allocated(error)) return
       if (sim%legacy) call warn_legacy(sim%model, findings)
@@ -67,7 +58,8 @@ contains
       do j = 1, model%n_joint
          associate (batch => model%batch(model%joint(j)%batch), place => model%joint(j)%place)
             if (.not. batch%limited .and. all(abs(batch%angle0(place, :)) <= 0.0_wp)) cycle
-            call fail(error, ERR_INPUT, 'joint '//str(model%joint(j)%id)//' has stops, friction, a '// &
+            call fail(error, ERR_INPUT, 'joint '//str(model%joint(j)%id)// &
+               ' has stops, friction, a '// &
                'lock, automatic stiffness or first angles: so far only --legacy runs these')
             return
          end associate
@@ -89,7 +81,8 @@ contains
             call fail(error, ERR_INPUT, 'there is no formulation '//trim(o%formulation)// &
                ': consistent or legacy')
          else if (all(o%dt_rule /= ['nodal', 'safe '])) then
-            call fail(error, ERR_INPUT, 'there is no time-step rule '//trim(o%dt_rule)//': safe or nodal')
+            call fail(error, ERR_INPUT, 'there is no time-step rule '//trim(o%dt_rule)// &
+               ': safe or nodal')
          else if (all(o%integrator /= ['split2', 'liemid', 'rkmk4 ', 'legacy'])) then
             call fail(error, ERR_INPUT, 'there is no integrator '//trim(o%integrator)// &
                ': split2, liemid, rkmk4 or legacy')
@@ -102,155 +95,6 @@ contains
       end associate
    end subroutine check_options
 
-   module procedure run_simulation
-      type(error_t), allocatable :: sink_error
-      real(wp) :: clock
-      logical :: stop, ignored
-
-      call new_state(sim%model, sim%state)
-      call sink%open(sim%history, error)
-      if (allocated(error)) return
-      clock = wall_clock()
-      if (sim%legacy) then
-         call run_legacy(sim, sink, monitor, status, clock, stop, error)
-      else
-         call run_consistent(sim, sink, monitor, status, clock, stop, error)
-      end if
-      call tell(sim, status)
-      if (sim%state%turn_body > 0) call warn_large_turn(sim%model, sqrt(sim%state%turn2), &
-         sim%state%turn_body, status%warnings)
-      status%wall_solve = status%wall_solve + wall_clock() - clock
-      clock = wall_clock()
-      call monitor%tick(status, ignored)
-      call end_history(sink, stop, status%cycle, error, sink_error)
-      status%wall_output = status%wall_output + wall_clock() - clock
-   end procedure run_simulation
-
-   !> Cycles between two looks of the monitor
-   pure integer function tick_cycles(model) result(n)
-      type(model_t), intent(in) :: model
-
-      n = max(1, TICK_WORK/max(1, model%n_joint + model%n_body))
-   end function tick_cycles
-
-   !> The legacy march: cycles while t <= Tstop, samples at cycles
-   subroutine run_legacy(sim, sink, monitor, status, clock, stop, error)
-      type(simulation_t), intent(inout) :: sim
-      class(sink_t), intent(inout) :: sink
-      class(monitor_t), intent(inout) :: monitor
-      type(run_status_t), intent(inout) :: status
-      real(wp), intent(inout) :: clock
-      logical, intent(out) :: stop               !! the monitor ended the run
-      type(error_t), allocatable, intent(out) :: error
-
-      real(wp) :: t_next
-      logical :: due, last
-
-      t_next = 0.0_wp
-      stop = .false.
-      associate (state => sim%state, control => sim%model%control)
-         do
-            due = state%time >= t_next
-            last = state%time + 1.2_wp*state%h2 > control%t_stop .or. stop
-            call find_accelerations(sim%model, state, due .or. last, error)
-            if (allocated(error)) return
-            if (state%cycle == 0) call start_energy(sim)
-            last = state%time + state%h2 > control%t_stop .or. stop .or. state%ended
-            if (due .or. last) then
-               call add_row(sim, sink, .not. due, clock, status, error)
-               t_next = min(control%t_stop, max(state%time, t_next + control%sample))
-            end if
-            if (allocated(error)) return
-            call advance(sim%model, state, error)
-            if (last .or. allocated(error)) return
-            if (modulo(state%cycle, tick_cycles(sim%model)) > 0) cycle
-            call tell(sim, status)
-            call monitor%tick(status, stop)
-         end do
-      end associate
-   end subroutine run_legacy
-
-   !> The consistent march: each sample interval in equal steps, the end at Tstop
-   subroutine run_consistent(sim, sink, monitor, status, clock, stop, error)
-      type(simulation_t), intent(inout) :: sim
-      class(sink_t), intent(inout) :: sink
-      class(monitor_t), intent(inout) :: monitor
-      type(run_status_t), intent(inout) :: status
-      real(wp), intent(inout) :: clock
-      logical, intent(out) :: stop
-      type(error_t), allocatable, intent(out) :: error
-
-      real(wp) :: t_end
-      integer :: sample
-      logical :: arrived
-
-      stop = .false.
-      sample = 0
-      call start_consistent(sim)
-      call add_row(sim, sink, .false., clock, status, error)
-      associate (cs => sim%c_state, control => sim%model%control)
-         do while (cs%time < control%t_stop .and. .not. allocated(error))
-            sample = sample + 1
-            t_end = min(control%t_stop, sample*control%sample)
-            if (control%sample <= 0.0_wp) t_end = min(control%t_stop, cs%time + sim%march%limit)
-            if (control%t_stop - t_end < 1.0e-9_wp*control%sample) t_end = control%t_stop
-            arrived = .false.
-            do while (.not. (arrived .or. stop))
-               call march(sim%model, sim%c_model, t_end, tick_cycles(sim%model), sim%march, cs, arrived)
-               call check_state(sim, error)
-               if (allocated(error)) return
-               sim%state%cycle = cs%cycle
-               sim%state%time = cs%time
-               sim%state%h2 = cs%h
-               call tell(sim, status)
-               call monitor%tick(status, stop)
-            end do
-            call add_row(sim, sink, .not. arrived .or. &
-               (t_end < sample*control%sample*(1.0_wp - 1.0e-9_wp) .and. control%sample > 0.0_wp), &
-               clock, status, error)
-            if (stop) return
-         end do
-      end associate
-   end subroutine run_consistent
-
-   !> Constants, first state, limits and ledger of the consistent formulation
-   subroutine start_consistent(sim)
-      type(simulation_t), intent(inout) :: sim
-
-      call build_c_model(sim%model, sim%c_model)
-      call new_c_state(sim%model, sim%c_model, sim%c_state)
-      sim%march%integrator = SPLIT2
-      if (sim%options%integrator == 'liemid') sim%march%integrator = LIEMID
-      if (sim%options%integrator == 'rkmk4') sim%march%integrator = RKMK4
-      sim%march%nodal = sim%options%dt_rule == 'nodal'
-      sim%march%factor = sim%model%control%dt_factor
-      sim%march%most = sim%model%control%dt_max
-      call start_march(sim%model, sim%c_model, sim%c_state, sim%march)
-      if (.not. allocated(sim%state%ortho)) allocate (sim%state%ortho(sim%model%n_joint), source=0.0_wp)
-   end subroutine start_consistent
-
-   !> The run is still where the formulation holds
-   subroutine check_state(sim, error)
-      type(simulation_t), intent(in) :: sim
-      type(error_t), allocatable, intent(out) :: error
-
-      integer :: j, at
-
-      associate (state => sim%c_state, model => sim%model)
-         if (.not. (all(ieee_is_finite(state%v)) .and. all(ieee_is_finite(state%l)))) then
-            call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '//str(state%cycle))
-            return
-         end if
-         at = full_turn(sim%c_model, state)
-         if (at == 0) return
-         do j = 1, model%n_joint
-            if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
-            call fail(error, ERR_RUN, 'joint '//str(model%joint(j)%id)//' has come to a whole turn: '// &
-               'three free rotations with springs or a length end there (cycle '//str(state%cycle)//')')
-         end do
-      end associate
-   end subroutine check_state
-
    module procedure simulation_title
       title = sim%model%title
    end procedure simulation_title
@@ -258,95 +102,6 @@ contains
    module procedure default_output
       path = sim%root(index(sim%root, '/', back=.true.) + 1:)//'.h5'
    end procedure default_output
-
-   !> Close the sink with the outcome; an error of the run goes before one of the sink
-   subroutine end_history(sink, stopped, cycles, error, sink_error)
-      class(sink_t), intent(inout) :: sink
-      logical, intent(in) :: stopped
-      integer, intent(in) :: cycles
-      type(error_t), allocatable, intent(inout) :: error
-      type(error_t), allocatable, intent(out) :: sink_error
-
-      if (allocated(error)) then
-         call sink%close('ERROR TERMINATION: '//error%message, cycles, error%code, sink_error)
-      else if (stopped) then
-         call sink%close('STOPPED BY USER', cycles, 130, sink_error)
-      else
-         call sink%close('NORMAL TERMINATION', cycles, 0, sink_error)
-      end if
-      if (.not. allocated(error) .and. allocated(sink_error)) call move_alloc(sink_error, error)
-   end subroutine end_history
-
-   !> Sample the state into the sink; watches the energy limit
-   subroutine add_row(sim, sink, final, clock, status, error)
-      type(simulation_t), intent(inout) :: sim
-      class(sink_t), intent(inout) :: sink
-      logical, intent(in) :: final
-      real(wp), intent(inout) :: clock           !! when the solver last had the processor
-      type(run_status_t), intent(inout) :: status
-      type(error_t), allocatable, intent(out) :: error
-
-      real(wp) :: now, row(sim%history%n_value)
-
-      now = wall_clock()
-      status%wall_solve = status%wall_solve + now - clock
-      if (.not. sim%legacy) then
-         call balance_ledger(sim%model, sim%c_model, sim%c_state)
-         call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
-      end if
-      call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
-      if (.not. allocated(error)) call sink%put(row, error)
-      clock = wall_clock()
-      status%wall_output = status%wall_output + clock - now
-      status%n_sample = status%n_sample + 1
-      if (allocated(error)) return
-      call tell(sim, status)
-      if (sim%options%energy_limit < 0.0_wp) return
-      if (100.0_wp*abs(status%energy_error) > sim%options%energy_limit) call fail(error, ERR_RUN, &
-         'the energy error passed its limit in cycle '//str(sim%state%cycle))
-   end subroutine add_row
-
-   !> E0 of the energy error: the energy at t = 0, less the work that cycle 0 already holds
-   subroutine start_energy(sim)
-      type(simulation_t), intent(inout) :: sim
-
-      type(balance_t) :: b
-
-      b = balance_of(sim%model, sim%state)
-      sim%state%energy0 = b%kinetic_trans + b%kinetic_rot + b%internal - sim%state%work
-   end subroutine start_energy
-
-   !> Renew the status
-   subroutine tell(sim, status)
-      type(simulation_t), intent(in) :: sim
-      type(run_status_t), intent(inout) :: status
-
-      status%cycle = sim%state%cycle
-      status%time = sim%state%time
-      status%t_stop = sim%model%control%t_stop
-      status%time_step = sim%state%h2
-      status%owner_kind = OWNER_NAME(sim%state%owner_kind)
-      status%owner = 0
-      if (sim%state%owner_kind > 0) then
-         if (sim%state%owner_kind == OWNER_JOINT) then
-            status%owner = sim%model%joint(sim%state%owner)%id
-         else if (sim%state%owner <= sim%model%n_body) then
-            status%owner = sim%model%body_id(sim%state%owner)
-         else
-            status%owner = sim%model%node_id(sim%state%owner)
-         end if
-      end if
-      associate (b => sim%sampler%balance)
-         status%kinetic = b%kinetic_trans + b%kinetic_rot
-         status%internal = b%internal
-      end associate
-      status%energy_error = sim%sampler%energy_error
-      status%work = sim%state%work
-      status%n_joint = sim%model%n_joint
-      status%n_body = sim%model%n_body
-      status%n_node = sim%model%n_node
-      status%print_every = sim%model%control%print_every
-   end subroutine tell
 
    !> What the history says of the scene
    subroutine describe(sim)

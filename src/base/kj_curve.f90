@@ -33,7 +33,8 @@ contains
       set%first = [set%first, size(set%x) + 1]
    end subroutine add_curve
 
-   !> First point of the segment that holds x: the first segment whose right end is >= x, else the last
+   !> First point of the segment that holds x: the first segment whose right end is >= x, else the
+   !> last
    pure integer function segment(set, c, x) result(left)
       type(curve_set_t), intent(in) :: set
       integer, intent(in) :: c

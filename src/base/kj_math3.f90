@@ -13,6 +13,7 @@ module kj_math3
 
 contains
 
+   !> a x b
    pure function cross(a, b) result(c)
       real(wp), intent(in) :: a(3), b(3)
       real(wp) :: c(3)

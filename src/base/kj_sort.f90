@@ -76,6 +76,7 @@ contains
       list = pack(list, first)
    end function sort_unique
 
+   !> Make the lookup of a list of ids
    pure subroutine new_lookup(ids, lookup)
       integer, intent(in) :: ids(:)
       type(lookup_t), intent(out) :: lookup

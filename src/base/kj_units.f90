@@ -7,12 +7,14 @@ module kj_units
 
    public :: unit_system_t, dimension_t, factor_of, unit_text
 
-   integer, parameter, public :: D_NUMBER = 1, D_LENGTH = 2, D_MASS = 3, D_TIME = 4, D_INERTIA = 5, &
+   integer, parameter, public :: D_NUMBER = 1, D_LENGTH = 2, D_MASS = 3, D_TIME = 4, D_INERTIA = &
+      5, &
       D_FORCE = 6, D_MOMENT = 7, D_STIFFNESS = 8, D_ROT_STIFFNESS = 9, D_DAMPING = 10, &
       D_ROT_DAMPING = 11, D_VELOCITY = 12, D_ANGULAR_VELOCITY = 13, D_ACCELERATION = 14, &
       D_ANGULAR_ACCELERATION = 15, D_ENERGY = 16, D_ANGLE = 17, D_MOMENTUM = 18, &
       D_ANGULAR_MOMENTUM = 19
 
+   !> A row of the table
    type :: dimension_t
       character(len=20) :: name
       integer :: exponents(3)    !! of mass, length, time

@@ -28,7 +28,8 @@ module kj_deck_data
       integer :: unit_id = 0                    !! /UNIT of this block; 0 = input units
       integer :: header = 0                     !! line of the header
       integer :: first = 1, last = 0            !! its lines, title included; last < first: none
-      logical :: mute = .false.                 !! another layout: findings on its cards mean nothing
+      !> another layout: findings on its cards mean nothing
+      logical :: mute = .false.
    end type block_t
 
    !> A starter deck with all included files

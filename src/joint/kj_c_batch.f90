@@ -21,14 +21,17 @@ module kj_c_batch
       integer :: chart = 0                       !! CHART_ constant
       logical :: mean = .true.                   !! translations in the mean frame, else of body 1
       integer :: law(NDOF) = 0                   !! LAW_ bits of kj_joint_batch
-      logical, allocatable :: plain(:)           !! (n) equal springs without a length: no frame needed
+      !> (n) equal springs without a length: no frame needed
+      logical, allocatable :: plain(:)
       logical :: damped = .false.                !! any dof has damping
       integer, allocatable :: lead(:, :)         !! (n, 2)
-      real(wp), allocatable :: arm(:, :)         !! (n, 6) node 1 and node 2 from their leads, body axes
+      !> (n, 6) node 1 and node 2 from their leads, body axes
+      real(wp), allocatable :: arm(:, :)
       real(wp), allocatable :: triad(:, :)       !! (n, 8) quaternions of the triads in body axes
       real(wp), allocatable :: xl0(:, :)         !! (n, 3) offset at the start, J
       real(wp), allocatable :: angle0(:)         !! (n) angle(e2, e3) at the start, universal
-      real(wp), allocatable :: k(:, :), c(:, :)  !! (n, 6) stiffness and damping, or scale of the curve
+      !> (n, 6) stiffness and damping, or scale of the curve
+      real(wp), allocatable :: k(:, :), c(:, :)
       integer, allocatable :: k_curve(:, :), c_curve(:, :)   !! (n, 6)
    end type c_batch_t
 
@@ -37,12 +40,15 @@ module kj_c_batch
       real(wp), allocatable :: q(:, :)           !! (n, 6) coordinates
       real(wp), allocatable :: fe(:, :)          !! (n, 6) elastic force on node 1
       real(wp), allocatable :: fd(:, :)          !! (n, 6) damping force on node 1
-      real(wp), allocatable :: elastic(:), dissipated(:)   !! (n) work done on springs and on dampers
+      !> (n) work done on springs and on dampers
+      real(wp), allocatable :: elastic(:), dissipated(:)
       real(wp), allocatable :: e(:, :)           !! (n, 9) frame E1 E2 E3, W
       real(wp), allocatable :: dir(:, :)         !! (n, 9) force of each unit translation, W
       real(wp), allocatable :: m1(:, :), m2(:, :)   !! (n, 9) moments on leads 1, 2 of each
-      real(wp), allocatable :: rot(:, :)         !! (n, 9) moment on body 1 of each unit damping moment
-      real(wp), allocatable :: qd(:, :)          !! (n, 6) rates with the velocities of the half step
+      !> (n, 9) moment on body 1 of each unit damping moment
+      real(wp), allocatable :: rot(:, :)
+      !> (n, 6) rates with the velocities of the half step
+      real(wp), allocatable :: qd(:, :)
       real(wp), allocatable :: ortho(:)          !! (n) e2.e3 of a universal frame
    end type c_joint_t
 
@@ -57,11 +63,13 @@ contains
       if (batch%frame == FRAME_CROSS) chart = CHART_UNIVERSAL
    end function chart_of
 
+   !> State of n joints, all zero
    pure subroutine new_c_joint(n, joint)
       integer, intent(in) :: n
       type(c_joint_t), intent(out) :: joint
 
-      allocate (joint%q(n, 6), joint%fe(n, 6), joint%fd(n, 6), joint%elastic(n), joint%dissipated(n), &
+      allocate (joint%q(n, 6), joint%fe(n, 6), joint%fd(n, 6), joint%elastic(n), &
+         joint%dissipated(n), &
          joint%e(n, 9), joint%dir(n, 9), joint%m1(n, 9), joint%m2(n, 9), joint%rot(n, 9), &
          joint%qd(n, 6), joint%ortho(n), source=0.0_wp)
    end subroutine new_c_joint

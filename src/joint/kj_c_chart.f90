@@ -115,10 +115,12 @@ contains
    end subroutine couple
 
    !> At most one free rotation: swing and twist, p = h s h, theta_x = 2 atan2(px, p0) counted over
-   !> turns, theta_y = 2 py, theta_z = 2 pz. Gives the mean frame E = E1 h s^1/2 and its couples too.
+   !> turns, theta_y = 2 py, theta_z = 2 pz. Gives the mean frame E = E1 h s^1/2 and its couples
+   !> too.
    pure subroutine twist_chart(n, mean, t1, p, r, theta, e, a1, a2, rot)
       integer, intent(in) :: n
-      logical, intent(in) :: mean                   !! fill e, a1, a2 (else they are those of first_skew)
+      !> fill e, a1, a2 (else they are those of first_skew)
+      logical, intent(in) :: mean
       real(wp), intent(in) :: t1(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(inout) :: p(BLOCK, 4)        !! its sign may turn
       real(wp), intent(inout) :: theta(BLOCK, 3)    !! last angles in, new angles out
@@ -182,7 +184,8 @@ contains
             r0 = sqrt(0.5_wp*(1.0_wp + s0(i)))
             ry = 0.5_wp*p(i, 3)/r0
             rz = 0.5_wp*p(i, 4)/r0
-            e(i, 1 + k) = (1.0_wp - 2.0_wp*(ry*ry + rz*rz))*d(i, 1 + k) + 2.0_wp*r0*rz*d(i, 4 + k) - &
+            e(i, 1 + k) = (1.0_wp - 2.0_wp*(ry*ry + rz*rz))*d(i, 1 + k) + &
+               2.0_wp*r0*rz*d(i, 4 + k) - &
                2.0_wp*r0*ry*d(i, 7 + k)
             e(i, 4 + k) = -2.0_wp*r0*rz*d(i, 1 + k) + (1.0_wp - 2.0_wp*rz*rz)*d(i, 4 + k) + &
                2.0_wp*ry*rz*d(i, 7 + k)
@@ -216,7 +219,8 @@ contains
 
    !> Three free rotations: rotation vector of p on the branch nearest to the last one, in the frame
    !> Em = E1 Exp(theta/2): rot = Em T, T = n n^T + (a/2)/sin(a/2) (1 - n n^T).
-   !> Mean translations: A1^T = 1/2 - 1/2 tan(a/4) [n], A2^T = 1/2 + 1/2 tan(a/4) [n]. That is singular
+   !> Mean translations: A1^T = 1/2 - 1/2 tan(a/4) [n], A2^T = 1/2 + 1/2 tan(a/4) [n]. That is
+   !> singular
    !> at a whole turn; joints whose translations need no frame (plain) take that of body 1.
    pure subroutine vector_chart(n, mean, plain, t1, p, r, theta, e, a1, a2, rot, em)
       integer, intent(in) :: n
@@ -293,8 +297,10 @@ contains
       theta = angle*axis
    end subroutine nearest_vector
 
-   !> Universal: e2 carried by body 1, e3 by body 2, e1 = e2 x e3 normalised; coordinates on the dual
-   !> basis G = E^-1. theta_1 = angle(e2, e3) less its start value, theta_2 and theta_3 turn about e2
+   !> Universal: e2 carried by body 1, e3 by body 2, e1 = e2 x e3 normalised; coordinates on the
+   !> dual
+   !> basis G = E^-1. theta_1 = angle(e2, e3) less its start value, theta_2 and theta_3 turn about
+   !> e2
    !> and e3 from where e1 stood at the start, counted over turns; theta' = G (w2 - w1) exactly.
    !> Triads: body 1 carries (e1, e2, e1 x e2) of the start, body 2 (e1, e3 x e1, e3).
    pure subroutine universal_chart(n, t1, t2, r, angle0, theta, xl, e, dual, a1, a2, ortho)

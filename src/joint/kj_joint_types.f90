@@ -14,6 +14,7 @@ module kj_joint_types
 
    character(len=2), parameter, public :: DOF_NAME(NDOF) = ['tx', 'ty', 'tz', 'rx', 'ry', 'rz']
 
+   !> A row of the table
    type :: joint_type_t
       integer           :: id          !! number on the property card
       character(len=13) :: name        !! name in messages and HDF5 attributes

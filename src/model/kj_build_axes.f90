@@ -160,7 +160,8 @@ contains
       a = draft%x(raw(2), :) - draft%x(raw(1), :)
       b = draft%x(raw(3), :) - draft%x(raw(1), :)
       if (.not. norm2(a) > 0.0_wp) then
-         call report(deck, cards, 'n2', SEV_ERROR, 'KJ-0162', 'nodes 1 and 2 of the axes coincide', &
+         call report(deck, cards, 'n2', SEV_ERROR, 'KJ-0162', &
+            'nodes 1 and 2 of the axes coincide', &
             'same place as node 1', findings)
       else if (.not. norm2(cross(unit_or_zero(a), unit_or_zero(b))) > 1.0e-10_wp) then
          call report(deck, cards, 'n3', SEV_ERROR, 'KJ-0163', &

@@ -8,6 +8,7 @@ module kj_build_property
    use kj_cards, only: cards_t, real_of, int_of, report
    use kj_draft, only: draft_t, reference
    use kj_joint_draft, only: property_t
+   use kj_curve_units, only: convert_functions
    implicit none
    private
 
@@ -19,7 +20,7 @@ contains
    subroutine read_property(deck, cards, draft, p, findings)
       type(deck_t), intent(in) :: deck
       type(cards_t), intent(in) :: cards
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(inout) :: draft      !! gets curves whose abscissae are converted
       type(property_t), intent(out) :: p
       type(finding_list_t), intent(inout) :: findings
 
@@ -49,6 +50,7 @@ contains
       end if
       call choose_frame(deck, cards, draft, p, findings)
       call read_free_dofs(deck, cards, draft, p, findings)
+      call convert_functions(deck, cards, draft, p, findings)
    end subroutine read_property
 
    !> Frame rule of a property, and the checks of its skews
@@ -93,7 +95,7 @@ contains
       text = trim(adjustl(buffer))
    end function angle_text
 
-   !> Stiffness, damping and curves of the free dofs; a scale 0 of a curve means 1
+   !> Stiffness, damping and curves of the free dofs
    subroutine read_free_dofs(deck, cards, draft, p, findings)
       type(deck_t), intent(in) :: deck
       type(cards_t), intent(in) :: cards
@@ -111,8 +113,6 @@ contains
             'KJ-3126', findings)
          p%c_curve(i) = reference(deck, cards, 'f_C'//DOF_NAME(i), draft%curve, 'function', &
             'KJ-3126', findings)
-         if (p%k_curve(i) > 0 .and. abs(p%k(i)) <= 0.0_wp) p%k(i) = 1.0_wp
-         if (p%c_curve(i) > 0 .and. abs(p%c(i)) <= 0.0_wp) p%c(i) = 1.0_wp
       end do
    end subroutine read_free_dofs
 

@@ -5,7 +5,6 @@ module kj_build_property2
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_units, only: dimensions, D_LENGTH, D_FORCE, D_STIFFNESS, D_DAMPING, D_MOMENT, &
       D_ROT_STIFFNESS, D_ROT_DAMPING
-   use kj_curve, only: add_curve
    use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME
    use kj_joint_batch, only: KJOINT2
    use kj_joint_stop, only: has_friction
@@ -13,6 +12,7 @@ module kj_build_property2
    use kj_cards, only: cards_t, real_of, int_of, report
    use kj_draft, only: draft_t, reference
    use kj_joint_draft, only: property_t
+   use kj_curve_units, only: convert_abscissae
    implicit none
    private
 
@@ -138,24 +138,6 @@ contains
          call convert_abscissae(draft, per_c, p%c_curve(dof))
       end if
    end subroutine read_laws
-
-   !> Put a copy of the curve with abscissae in work units in its place; none where the units agree
-   subroutine convert_abscissae(draft, factor, curve)
-      type(draft_t), intent(inout) :: draft
-      real(wp), intent(in) :: factor             !! input unit / work unit of the abscissa
-      integer, intent(inout) :: curve            !! index
-
-      real(wp), allocatable :: x(:), y(:)
-      integer :: first, last
-
-      if (abs(factor - 1.0_wp) <= 4.0_wp*epsilon(1.0_wp)) return
-      first = draft%curves%first(curve)
-      last = draft%curves%first(curve + 1) - 1
-      x = factor*draft%curves%x(first:last)
-      y = draft%curves%y(first:last)
-      call add_curve(draft%curves, draft%curves%id(curve), x, y)
-      curve = draft%curves%n
-   end subroutine convert_abscissae
 
    !> Stops and friction of a free direction
    subroutine read_limits(deck, cards, factor, dof, draft, p, findings)

@@ -44,7 +44,8 @@ module kj_draft
       real(wp), allocatable :: x(:, :)           !! (n_node, 3)
       real(wp), allocatable :: mass(:), inertia(:)
       type(lookup_t) :: node
-      integer, allocatable :: body(:)            !! body that carries the node as secondary, 0 = none
+      !> body that carries the node as secondary, 0 = none
+      integer, allocatable :: body(:)
       integer, allocatable :: main_of(:)         !! body whose main node it is, 0 = none
       integer, allocatable :: new(:)             !! raw index -> model index
       ! others

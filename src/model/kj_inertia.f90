@@ -68,7 +68,8 @@ contains
       d = dot_product(r, r)*IDENTITY - spread(r, 2, 3)*spread(r, 1, 3)
    end function steiner
 
-   !> The Ispher rule: 1 mean of the three; 2 where the smallest is under a thousandth of the largest,
+   !> The Ispher rule: 1 mean of the three; 2 where the smallest is under a thousandth of the
+   !> largest,
    !> such values get a tenth of the largest on top; 3 nothing. changed: rule 2 acted
    pure subroutine correct_inertia(ispher, principal, changed)
       integer, intent(in) :: ispher

@@ -51,7 +51,8 @@ module kj_model
       integer, allocatable :: node(:)          !! node indices; of gravity leads only
    end type load_t
 
-   integer, parameter, public :: IMPOSE_VELOCITY = 1, IMPOSE_DISPLACEMENT = 2, IMPOSE_ACCELERATION = 3
+   integer, parameter, public :: IMPOSE_VELOCITY = 1, IMPOSE_DISPLACEMENT = 2, &
+      IMPOSE_ACCELERATION = 3
 
    !> Imposed motion of one dof of one lead
    type, public :: motion_t
@@ -86,10 +87,12 @@ module kj_model
       real(wp) :: dt_ini = 0.0_wp              !! /DTIX, 0 = not given
       real(wp) :: dt_max = 1.0e20_wp
       logical :: nodal_step = .true.           !! a TYPE33 joint or /DT/NODA switches it on
-      logical :: joint_step = .false.          !! the step of TYPE45 joints alone, without nodal_step
+      !> the step of TYPE45 joints alone, without nodal_step
+      logical :: joint_step = .false.
       integer :: print_every = 100
    end type control_t
 
+   !> The scene
    type :: model_t
       character(len=:), allocatable :: title
       type(unit_system_t) :: units

@@ -9,6 +9,7 @@ module kj_history
 
    public :: history_t, variable_t, text_t, add_variable
 
+   !> A text of any length
    type :: text_t
       character(len=:), allocatable :: s
    end type text_t
@@ -21,6 +22,7 @@ module kj_history
       integer :: first = 0      !! place in a row: first + (entity - 1) n_comp + comp - 1
    end type variable_t
 
+   !> What a history says once
    type :: history_t
       character(len=:), allocatable :: title
       type(unit_system_t) :: units
@@ -35,7 +37,8 @@ module kj_history
       ! rigid bodies, ascending user id
       integer, allocatable :: body_id(:), body_main_node(:)
       real(wp), allocatable :: body_mass(:), body_inertia(:, :)         !! (n), (3, n) principal
-      real(wp), allocatable :: body_axes(:, :, :)                       !! (3, 3, n) columns: axes at t=0
+      !> (3, 3, n) columns: axes at t=0
+      real(wp), allocatable :: body_axes(:, :, :)
       type(text_t), allocatable :: body_label(:)
       ! nodes, ascending user id
       integer, allocatable :: node_id(:)

@@ -6,6 +6,7 @@ module kj_sink
    implicit none
    private
 
+   !> A taker of samples
    type, abstract, public :: sink_t
    contains
       procedure(open_i), deferred :: open

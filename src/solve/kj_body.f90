@@ -44,9 +44,12 @@ contains
          call to_local(n, p, m, ml)
          associate (inertia => state%principal(from:to, :))
             do i = 1, n
-               ml(i, 1) = (ml(i, 1) + (inertia(i, 2) - inertia(i, 3))*wl(i, 2)*wl(i, 3))/inertia(i, 1)
-               ml(i, 2) = (ml(i, 2) + (inertia(i, 3) - inertia(i, 1))*wl(i, 3)*wl(i, 1))/inertia(i, 2)
-               ml(i, 3) = (ml(i, 3) + (inertia(i, 1) - inertia(i, 2))*wl(i, 1)*wl(i, 2))/inertia(i, 3)
+               ml(i, 1) = (ml(i, 1) + (inertia(i, 2) - inertia(i, 3))*wl(i, 2)*wl(i, &
+                  3))/inertia(i, 1)
+               ml(i, 2) = (ml(i, 2) + (inertia(i, 3) - inertia(i, 1))*wl(i, 3)*wl(i, &
+                  1))/inertia(i, 2)
+               ml(i, 3) = (ml(i, 3) + (inertia(i, 1) - inertia(i, 2))*wl(i, 1)*wl(i, &
+                  2))/inertia(i, 3)
             end do
          end associate
          call to_world(n, p, ml, al)
@@ -173,7 +176,8 @@ contains
             state%turn_body = b
          end if
          if (turn2 > 1.0_wp .and. .not. few) then
-            call fail(error, ERR_RUN, 'body '//str(model%body_id(b))//' turns by more than 1 rad in a step')
+            call fail(error, ERR_RUN, 'body '//str(model%body_id(b))// &
+               ' turns by more than 1 rad in a step')
             return
          end if
       end do

@@ -23,7 +23,7 @@ module kj_c_advance
    ! Joints that start with a jump ring, and near the limit ten times as far as they should, at the
    ! cost of the energy. So a run starts with shorter steps until the ringing has died down.
    real(wp), parameter :: START_PART = 1.0_wp/3.0_wp   !! of the step
-   real(wp), parameter :: START_SPAN = 100.0_wp        !! for that many whole steps
+   real(wp), parameter :: START_SPAN = 100.0_wp        !! for so many times the limit
 
    !> Where the march stands
    type :: march_t
@@ -51,7 +51,7 @@ contains
       call new_bound(model, c, .not. state%by_steps, state, self%bound)
       call take_limit(model, c, state, self)
       if (self%limit >= self%most .or. self%integrator == RKMK4) return
-      self%start_end = state%time + START_SPAN*self%limit
+      self%start_end = state%time + START_SPAN*self%limit/self%factor
       call take_limit(model, c, state, self)
    end subroutine start_march
 
@@ -120,7 +120,8 @@ contains
       call take_limit(model, c, state, self)
    end subroutine march
 
-   !> A joint (index among all) whose three free rotations come to a whole turn, where their chart ends,
+   !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
+   !> ends,
    !> and that has a spring, a curve or a mean frame that hangs on them; 0 when there is none
    pure integer function full_turn(c, state) result(joint)
       type(c_model_t), intent(in) :: c
@@ -132,7 +133,8 @@ contains
       do b = 1, size(c%batch)
          if (c%batch(b)%chart /= CHART_VECTOR) cycle
          do i = 1, c%batch(b)%n
-            if (c%batch(b)%plain(i) .and. all(iand(c%batch(b)%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) == 0)) cycle
+            if (c%batch(b)%plain(i) .and. all(iand(c%batch(b)%law(4:6), LAW_SPRING + &
+               LAW_SPRING_CURVE) == 0)) cycle
             joint = c%batch(b)%first + i
             if (norm2(state%joint(b)%q(i, 4:6)) > NEAR) return
          end do
@@ -198,11 +200,35 @@ contains
       end do
       s = kinetic + joints + potential(model, c, state) - state%work
       if (state%by_steps) s = s - state%h**2/8.0_wp*kick_term(model, c, state) + state%offset
-      if (state%cycle == 0) state%s0 = s
+      if (state%cycle == 0) then
+         state%s0 = s
+         state%scale = energy_of_rounding(c, state)
+      end if
       state%scale = max(state%scale, kinetic + elastic + abs(state%work))
       state%error = 0.0_wp
       if (state%scale > 0.0_wp) state%error = (s - state%s0)/state%scale
    end subroutine balance_ledger
+
+   !> Energy of joints strained by a thousand times the rounding of coordinates: below it an energy
+   !> means nothing, and a scene at rest has no other.
+   pure real(wp) function energy_of_rounding(c, state) result(u)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+
+      real(wp), parameter :: STRAIN = 1.0e3_wp*epsilon(1.0_wp)
+      real(wp) :: reach
+      integer :: b, i
+
+      u = 0.0_wp
+      do b = 1, size(c%batch)
+         associate (k => c%batch(b)%k, lead => c%batch(b)%lead)
+            do i = 1, c%batch(b)%n
+               reach = maxval(abs(state%poses%x(lead(i, :), :))) + maxval(abs(c%batch(b)%arm(i, :)))
+               u = u + 0.5_wp*STRAIN**2*(reach**2*sum(abs(k(i, 1:3))) + sum(abs(k(i, 4:6))))
+            end do
+         end associate
+      end do
+   end function energy_of_rounding
 
    !> Potential of constant gravity, 0 at the start
    pure real(wp) function potential(model, c, state) result(u)

@@ -1,6 +1,7 @@
 !> Rigid bodies under the consistent formulation: half kicks, the drift by plane rotations, and the
 !> angular velocity that belongs to an angular momentum.
-!> Source: consistent.md 1 (split2), 3; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997) 5840.
+!> Source: consistent.md 1 (split2), 3; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997)
+!> 5840.
 module kj_c_body
    use kj_kinds, only: wp
    use kj_math3, only: turn_coefficients
@@ -219,7 +220,8 @@ contains
          e = columns(quat(i, :))
          n = real(c%n_joint(i), wp)
          do k = 1, 6
-            ij(i, k) = n*(c%ii(i, 1)*e(ROW(k))*e(COLUMN(k)) + c%ii(i, 2)*e(ROW(k) + 3)*e(COLUMN(k) + 3) + &
+            ij(i, k) = n*(c%ii(i, 1)*e(ROW(k))*e(COLUMN(k)) + &
+               c%ii(i, 2)*e(ROW(k) + 3)*e(COLUMN(k) + 3) + &
                c%ii(i, 3)*e(ROW(k) + 6)*e(COLUMN(k) + 6))
          end do
       end do

@@ -1,5 +1,6 @@
 !> Time-step limits of a scene under the consistent formulation: the safe bound, the nodal rule, and
-!> the exact limit of the assembled scene. Damping is implicit, so stiffness alone counts (kappa = 0).
+!> the exact limit of the assembled scene. Damping is implicit, so stiffness alone counts (kappa =
+!> 0).
 !>
 !> Safe: with the mass of each body shared among its joints, M = sum s_bj M_b, the step is stable if
 !> 4 M_j - h^2 K_j > 0 for every joint alone: h = 2/sqrt(max lambda_j), lambda_j the largest
@@ -20,20 +21,24 @@ module kj_c_bound
 
    public :: bound_t, new_bound, renew_bound, nodal_bound, exact_bound, has_moved
 
+   !> The safe bound and what it rests on
    type :: bound_t
       real(wp) :: h = huge(1.0_wp)               !! the bound, unscaled
       integer :: joint = 0                       !! who holds it: index among all joints, 0 = none
       real(wp), allocatable :: share(:, :)       !! (2, n_joint) of the mass of each end's lead
       real(wp), allocatable :: k(:, :)           !! (6, n_joint) largest stiffness of each dof
-      real(wp), allocatable :: c(:, :)           !! (6, n_joint) largest damping of each dof, 0 where implicit
+      !> (6, n_joint) largest damping of each dof, 0 where implicit
+      real(wp), allocatable :: c(:, :)
       real(wp), allocatable :: limit(:)          !! (n_joint) step that each joint allows
       real(wp), allocatable :: q(:, :)           !! (6, n_joint) coordinates at the last evaluation
    end type bound_t
 
    integer, parameter :: SWEEPS = 4
    real(wp), parameter :: LEAST_SHARE = 1.0e-9_wp
-   real(wp), parameter :: RK4_RADIUS = 1.0_wp    !! of |h lambda|: stable to 2.6, but RK4 damps by h^6 before
-   real(wp), parameter :: TURN = 0.05_wp         !! relative turn that asks for a new evaluation [rad]
+   !> of |h lambda|: stable to 2.6, but RK4 damps by h^6 before
+   real(wp), parameter :: RK4_RADIUS = 1.0_wp
+   !> relative turn that asks for a new evaluation [rad]
+   real(wp), parameter :: TURN = 0.05_wp
 
 contains
 
@@ -41,19 +46,22 @@ contains
    subroutine new_bound(model, c, explicit, state, bound)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
-      logical, intent(in) :: explicit            !! Runge-Kutta of fourth order with explicit damping
+      !> Runge-Kutta of fourth order with explicit damping
+      logical, intent(in) :: explicit
       type(c_state_t), intent(in) :: state
       type(bound_t), intent(out) :: bound
 
       real(wp) :: s(6, 6, 2), total(model%n_lead), lambda(model%n_joint)
       integer :: b, i, j, e, sweep
 
-      allocate (bound%share(2, model%n_joint), bound%k(6, model%n_joint), bound%limit(model%n_joint))
+      allocate (bound%share(2, model%n_joint), bound%k(6, model%n_joint), &
+         bound%limit(model%n_joint))
       allocate (bound%q(6, model%n_joint), bound%c(6, model%n_joint), source=0.0_wp)
       do b = 1, size(c%batch)
          do i = 1, c%batch(b)%n
             j = c%batch(b)%first + i
-            bound%k(:, j) = steepest(model%curves, LAW_SPRING_CURVE, c%batch(b)%law, c%batch(b)%k(i, :), &
+            bound%k(:, j) = steepest(model%curves, LAW_SPRING_CURVE, c%batch(b)%law, &
+               c%batch(b)%k(i, :), &
                c%batch(b)%k_curve(i, :))
             if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, c%batch(b)%law, &
                c%batch(b)%c(i, :), c%batch(b)%c_curve(i, :))
@@ -103,7 +111,8 @@ contains
             if (maxval(abs(state%joint(b)%q(i, 4:6) - bound%q(4:6, j))) > TURN) return
             arm = norm2(c%batch(b)%arm(i, 1:3)) + norm2(c%batch(b)%arm(i, 4:6)) + &
                norm2(c%batch(b)%xl0(i, :) + bound%q(1:3, j))
-            if (maxval(abs(state%joint(b)%q(i, 1:3) - bound%q(1:3, j))) > TURN*max(arm, tiny(1.0_wp))) return
+            if (maxval(abs(state%joint(b)%q(i, 1:3) - bound%q(1:3, j))) > TURN*max(arm, &
+               tiny(1.0_wp))) return
          end do
       end do
       moved = .false.
@@ -176,7 +185,8 @@ contains
          do i = 1, c%batch(b)%n
             j = c%batch(b)%first + i
             do e = 1, 2
-               total(c%batch(b)%lead(i, e)) = total(c%batch(b)%lead(i, e)) + bound%share(e, j)*lambda(j)
+               total(c%batch(b)%lead(i, e)) = total(c%batch(b)%lead(i, e)) + &
+                  bound%share(e, j)*lambda(j)
             end do
          end do
       end do
@@ -195,7 +205,8 @@ contains
             j = c%batch(b)%first + i
             do e = 1, 2
                if (total(c%batch(b)%lead(i, e)) > 0.0_wp) then
-                  bound%share(e, j) = max(LEAST_SHARE, bound%share(e, j)*lambda(j)/total(c%batch(b)%lead(i, e)))
+                  bound%share(e, j) = max(LEAST_SHARE, bound%share(e, j)* &
+                     lambda(j)/total(c%batch(b)%lead(i, e)))
                else
                   bound%share(e, j) = 1.0_wp
                end if
@@ -219,7 +230,8 @@ contains
          if (iand(law(dof), bit) == 0) cycle
          k(dof) = 0.0_wp
          do p = curves%first(curve(dof)), curves%first(curve(dof) + 1) - 2
-            k(dof) = max(k(dof), value(dof)*(curves%y(p + 1) - curves%y(p))/(curves%x(p + 1) - curves%x(p)))
+            k(dof) = max(k(dof), value(dof)*(curves%y(p + 1) - curves%y(p))/(curves%x(p + 1) - &
+               curves%x(p)))
          end do
       end do
    end function steepest
@@ -240,7 +252,8 @@ contains
          g = c%im(lead)
          s(:, :, e) = matmul(rows(:, 1:3), transpose(rows(:, 1:3)))*g
          rows(:, 4:6) = matmul(rows(:, 4:6), body_matrix(state, lead))
-         s(:, :, e) = s(:, :, e) + matmul(rows(:, 4:6)*spread(c%ii(lead, :), 1, 6), transpose(rows(:, 4:6)))
+         s(:, :, e) = s(:, :, e) + matmul(rows(:, 4:6)*spread(c%ii(lead, :), 1, 6), &
+            transpose(rows(:, 4:6)))
       end do
    end subroutine compliances
 
@@ -310,8 +323,10 @@ contains
       end do
       h = huge(1.0_wp)
       do i = 1, model%n_lead
-         if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = min(h, sqrt(2.0_wp*model%mass(i)/kn(i)))
-         if (model%inertia(i) > 0.0_wp .and. kr(i) > 0.0_wp) h = min(h, sqrt(2.0_wp*model%inertia(i)/kr(i)))
+         if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = min(h, &
+            sqrt(2.0_wp*model%mass(i)/kn(i)))
+         if (model%inertia(i) > 0.0_wp .and. kr(i) > 0.0_wp) h = min(h, &
+            sqrt(2.0_wp*model%inertia(i)/kr(i)))
       end do
    end subroutine nodal_bound
 
@@ -339,7 +354,8 @@ contains
                rows(:, 6*e - 5:6*e) = rows_of_end(c%batch(b), state, b, i, e)
                p = body_matrix(state, at(e))
                rows(:, 6*e - 5:6*e - 3) = rows(:, 6*e - 5:6*e - 3)*sqrt(c%im(at(e)))
-               rows(:, 6*e - 2:6*e) = matmul(rows(:, 6*e - 2:6*e), p)*spread(sqrt(c%ii(at(e), :)), 1, 6)
+               rows(:, 6*e - 2:6*e) = matmul(rows(:, 6*e - 2:6*e), p)* &
+                  spread(sqrt(c%ii(at(e), :)), 1, 6)
             end do
             do k = 1, 6
                rows(k, :) = rows(k, :)*sqrt(bound%k(k, j))

@@ -18,6 +18,7 @@ module kj_c_build
 
 contains
 
+   !> Constants of the consistent formulation
    subroutine build_c_model(model, c)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(out) :: c
@@ -49,7 +50,8 @@ contains
       c%loose = loose_ends(model)
    end subroutine build_c_model
 
-   !> Ends whose moving skew does not ride on the lead of the joint node: (2, n) joint in deck order, end
+   !> Ends whose moving skew does not ride on the lead of the joint node: (2, n) joint in deck
+   !> order, end
    pure function loose_ends(model) result(list)
       type(model_t), intent(in) :: model
       integer, allocatable :: list(:, :)
@@ -88,11 +90,14 @@ contains
       type(model_t), intent(in) :: model
       type(load_t), intent(in) :: load
 
+      integer :: first, last
+
       steady = .not. load%sensed
       if (load%curve > 0) then
-         associate (y => model%curves%y(model%curves%first(load%curve):model%curves%first(load%curve + 1) - 1))
-            steady = steady .and. maxval(y) <= minval(y)
-         end associate
+         first = model%curves%first(load%curve)
+         last = model%curves%first(load%curve + 1) - 1
+         steady = steady .and. all(model%curves%y(first:last) >= model%curves%y(first)) .and. &
+            all(model%curves%y(first:last) <= model%curves%y(first))
       end if
       if (load%skew > 0) steady = steady .and. model%skews%dir(load%skew) == 0
    end function is_steady
@@ -210,7 +215,8 @@ contains
       axes(:, 3) = cross(axes(:, 1), axes(:, 2))
    end subroutine sort_axes
 
-   !> Constants of one batch; damping of blocked rotations from the effective inertia of the direction
+   !> Constants of one batch; damping of blocked rotations from the effective inertia of the
+   !> direction
    subroutine build_batch(model, c, old, batch)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
@@ -254,7 +260,8 @@ contains
          end if
          do dof = 4, 6
             if (joint_types(old%row)%free(dof) == 1) cycle
-            batch%c(i, dof) = old%cr(i)*sqrt(old%k(i, dof)*direction_inertia(c, old%lead(i, :), e(:, dof - 3)))
+            batch%c(i, dof) = old%cr(i)*sqrt(old%k(i, dof)*direction_inertia(c, old%lead(i, :), &
+               e(:, dof - 3)))
          end do
       end do
    end subroutine build_batch
@@ -282,7 +289,8 @@ contains
 
       sum_inverse = 0.0_wp
       do s = 1, 2
-         sum_inverse = sum_inverse + sum(c%ii(lead(s), :)*matmul(e, reshape(c%axes0(lead(s), :), [3, 3]))**2)
+         sum_inverse = sum_inverse + sum(c%ii(lead(s), :)*matmul(e, &
+            reshape(c%axes0(lead(s), :), [3, 3]))**2)
       end do
       m = 0.0_wp
       if (sum_inverse > 0.0_wp) m = 1.0_wp/sum_inverse
@@ -303,7 +311,8 @@ contains
          allocate (p%quat, source=c%quat0)
          allocate (p%v, source=model%v0(:n, :))
          allocate (state%v, source=model%v0(:n, :))
-         allocate (p%w(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), state%l(n, 3), state%d(n, 3), state%f(n, 3), &
+         allocate (p%w(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), state%l(n, 3), state%d(n, 3), &
+            state%f(n, 3), &
             state%t(n, 3), state%own_f(n, 3), state%own_t(n, 3), source=0.0_wp)
          allocate (state%impulse(model%n_body, 3), state%angular_impulse(model%n_body, 3), &
             state%turn(model%n_body, 3), source=0.0_wp)
@@ -358,9 +367,11 @@ contains
          associate (m => model%motion(i))
             if (m%kind == IMPOSE_DISPLACEMENT) cycle
             if (m%dir <= 3) then
-               state%motion_at(i) = dot_product(model%v0(m%lead, :), axis_of(state%skew, m%skew, m%dir))
+               state%motion_at(i) = dot_product(model%v0(m%lead, :), &
+                  axis_of(state%skew, m%skew, m%dir))
             else
-               state%motion_at(i) = dot_product(model%w0(m%lead, :), axis_of(state%skew, m%skew, m%dir))
+               state%motion_at(i) = dot_product(model%w0(m%lead, :), &
+                  axis_of(state%skew, m%skew, m%dir))
             end if
          end associate
       end do

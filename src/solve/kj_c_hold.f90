@@ -63,7 +63,8 @@ contains
 
       y = (b - a)*load_value(curves, m%curve, a)
       if (m%curve == 0) return
-      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = curve_integral(curves, m%curve, a, b)
+      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = curve_integral(curves, &
+         m%curve, a, b)
    end function integral
 
    !> Integral of (b - s) f(s) from a to b
@@ -74,7 +75,8 @@ contains
 
       y = 0.5_wp*(b - a)**2*load_value(curves, m%curve, a)
       if (m%curve == 0) return
-      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = curve_moment(curves, m%curve, a, b)
+      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = curve_moment(curves, &
+         m%curve, a, b)
    end function moment
 
    !> Rate of an imposed displacement at its abscissa
@@ -97,7 +99,8 @@ contains
    !> Bring velocity and angular momentum of the held leads onto their conditions.
    !>
    !> v += B^T (B B^T)^-1 (u - B v), L += B^T (B J^-1 B^T)^-1 (u - B J^-1 L); work of driven rows:
-   !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the second,
+   !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the
+   !> second,
    !> the mean of start and end over a whole step
    subroutine project(model, c, state, target, active, part, before)
       type(model_t), intent(in) :: model
@@ -117,7 +120,8 @@ contains
             lead = hold%lead
             call rows_of(state, hold%trans(:hold%n_trans), target, active, b, u, drives, n)
             if (n > 0) then
-               call drive(n, b, u, drives, part, before(1:3, i), unit_inverse(1.0_wp), state%v(lead, :), power)
+               call drive(n, b, u, drives, part, before(1:3, i), unit_inverse(1.0_wp), &
+                  state%v(lead, :), power)
                state%work = state%work + model%mass(lead)*power
             end if
             call rows_of(state, hold%rot(:hold%n_rot), target, active, b, u, drives, n)
@@ -167,7 +171,8 @@ contains
       real(wp), intent(in) :: b(3, 3), u(3), before(3), g(3, 3)
       logical, intent(in) :: drives(3)
       integer, intent(in) :: part
-      real(wp), intent(inout) :: p(3)                !! velocity (g = 1) or angular momentum (g = J^-1)
+      !> velocity (g = 1) or angular momentum (g = J^-1)
+      real(wp), intent(inout) :: p(3)
       real(wp), intent(out) :: power
 
       real(wp) :: a(n, n), impulse(n), rate, old
@@ -204,7 +209,8 @@ contains
       do i = 1, size(c%hold)
          lead = c%hold(i)%lead
          call rows_of(state, c%hold(i)%trans(:c%hold(i)%n_trans), target, active, b, u, drives, n)
-         if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), state%poses%v(lead, :), power)
+         if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), &
+            state%poses%v(lead, :), power)
          call rows_of(state, c%hold(i)%rot(:c%hold(i)%n_rot), target, active, b, u, drives, n)
          if (n == 0) cycle
          g = inverse_inertia(c, state, lead)
@@ -284,7 +290,8 @@ contains
       real(wp), intent(in) :: target(:)              !! (n_motion)
       logical, intent(in) :: active(:)
       real(wp), intent(in) :: old(:, :)              !! (4, n_hold) attitudes before the drift
-      real(wp), intent(in) :: w(:, :)                !! (3, n_hold) angular velocities during the step
+      !> (3, n_hold) angular velocities during the step
+      real(wp), intent(in) :: w(:, :)
 
       real(wp) :: q(4), p(4), b(3, 3), u(3)
       logical :: drives(3)
@@ -322,7 +329,8 @@ contains
          if (n == 3) then
             t = 0.0_wp
          else if (n > 0) then
-            call drive(n, b, u, drives, FIRST_HALF, u, inverse_inertia(c, state, hold%lead), t, power)
+            call drive(n, b, u, drives, FIRST_HALF, u, inverse_inertia(c, state, hold%lead), t, &
+               power)
          end if
       end associate
    end subroutine held_force

@@ -164,11 +164,13 @@ contains
             out%energy = joint%elastic + joint%dissipated
             call joint_rates(c%batch(b), cs%poses, joint, out%qdot)
             do j = 1, c%batch(b)%n
-               if (c%batch(b)%plain(j)) call show_in_mean_frame(out%e(j, :), out%q(j, :), out%f(j, 1:3), &
+               if (c%batch(b)%plain(j)) call show_in_mean_frame(out%e(j, :), out%q(j, :), &
+                  out%f(j, 1:3), &
                   out%qdot(j, 1:3))
                state%ortho(c%batch(b)%first + j) = 0.0_wp
                if (c%batch(b)%chart == CHART_UNIVERSAL) &
-                  state%ortho(c%batch(b)%first + j) = abs(asin(max(-1.0_wp, min(1.0_wp, joint%ortho(j)))))
+                  state%ortho(c%batch(b)%first + j) = abs(asin(max(-1.0_wp, &
+                     min(1.0_wp, joint%ortho(j)))))
             end do
          end associate
       end do

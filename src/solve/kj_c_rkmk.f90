@@ -6,7 +6,7 @@ module kj_c_rkmk
    use kj_math3, only: cross
    use kj_joint_frame, only: BLOCK
    use kj_model, only: model_t
-   use kj_c_force, only: count_damping
+   use kj_c_damper, only: count_damping
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity, turn_in_space
    use kj_c_hold, only: project, motion_targets, WHOLE
@@ -34,7 +34,8 @@ contains
       type(c_state_t), intent(inout) :: state
 
       type(rates_t) :: stage, total
-      real(wp) :: x(model%n_lead, 3), d(model%n_lead, 3), quat(model%n_lead, 4), v(model%n_lead, 3), &
+      real(wp) :: x(model%n_lead, 3), d(model%n_lead, 3), quat(model%n_lead, 4), &
+         v(model%n_lead, 3), &
          l(model%n_lead, 3), before(6, size(c%hold)), time, work
       real(wp) :: mean(size(model%motion)), final(size(model%motion))
       logical :: active(size(model%motion))

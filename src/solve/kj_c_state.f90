@@ -30,34 +30,43 @@ module kj_c_state
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: im(:)             !! (n_lead) inverse mass, 0 where held or massless
       real(wp), allocatable :: i(:, :), ii(:, :) !! (n_lead, 3) principal inertia and its inverse
-      integer, allocatable :: equal(:)           !! (n_lead) axis of symmetry, 0 = three unequal inertias
+      !> (n_lead) axis of symmetry, 0 = three unequal inertias
+      integer, allocatable :: equal(:)
       integer, allocatable :: n_joint(:)         !! (n_lead) joints on it
-      real(wp), allocatable :: quat0(:, :)       !! (n_lead, 4) attitude at the start: principal axes
+      !> (n_lead, 4) attitude at the start: principal axes
+      real(wp), allocatable :: quat0(:, :)
       real(wp), allocatable :: axes0(:, :)       !! (n_lead, 9) the same as columns
       real(wp), allocatable :: arm(:, :)         !! (n_node, 3) nodes from their leads, body axes
-      integer, allocatable :: placed(:)          !! secondary nodes that loads and skews need in every step
+      !> secondary nodes that loads and skews need in every step
+      integer, allocatable :: placed(:)
       integer, allocatable :: loose(:, :)        !! (2, n) joint ends whose skew rides elsewhere
       logical, allocatable :: steady(:)          !! (gravity cards) constant: has a potential
       type(hold_t), allocatable :: hold(:)
       integer, allocatable :: hold_of(:)         !! (n_lead) its conditions, 0 = none
    end type c_model_t
 
+   !> The state
    type :: c_state_t
       integer :: cycle = 0
       real(wp) :: time = 0.0_wp
       real(wp) :: h = 0.0_wp                     !! step under way
       type(poses_t) :: poses                     !! what joints see
-      real(wp), allocatable :: v(:, :), l(:, :)  !! (n_lead, 3) velocity, angular momentum about the lead, W
+      !> (n_lead, 3) velocity, angular momentum about the lead, W
+      real(wp), allocatable :: v(:, :), l(:, :)
       real(wp), allocatable :: d(:, :)           !! (n_lead, 3) displacement
       real(wp), allocatable :: f(:, :), t(:, :)  !! (n_lead, 3) force and moment, all but reactions
-      real(wp), allocatable :: own_f(:, :), own_t(:, :)   !! (n_lead, 3) of these, gravity and loads on the lead itself
-      real(wp), allocatable :: impulse(:, :), angular_impulse(:, :), turn(:, :)   !! (n_body, 3) sums over time
+      !> (n_lead, 3) of these, gravity and loads on the lead itself
+      real(wp), allocatable :: own_f(:, :), own_t(:, :)
+      !> (n_body, 3) sums over time
+      real(wp), allocatable :: impulse(:, :), angular_impulse(:, :), turn(:, :)
       real(wp), allocatable :: node(:, :)        !! (n_node, 3) positions of leads and placed nodes
       real(wp), allocatable :: skew(:, :)        !! (0:n_skew, 9)
       type(c_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_C_WRENCH, n_joint)
-      real(wp), allocatable :: motion_at(:)      !! (n_motion) value reached: velocity of an imposed acceleration
-      real(wp), allocatable :: load_force(:, :), load_place(:, :)   !! (3, entries) of concentrated loads
+      !> (n_motion) value reached: velocity of an imposed acceleration
+      real(wp), allocatable :: motion_at(:)
+      !> (3, entries) of concentrated loads
+      real(wp), allocatable :: load_force(:, :), load_place(:, :)
       real(wp), allocatable :: field(:, :)       !! (3, gravity cards) acceleration in the last step
       ! ledger
       real(wp) :: work = 0.0_wp                  !! of loads and imposed motion

@@ -7,11 +7,13 @@ module kj_c_step
    use kj_model, only: model_t, load_t, BY_TIME, BY_DISPLACEMENT
    use kj_skew, only: axis_of, move_skews
    use kj_assembly, only: lead_map_t
-   use kj_c_force, only: add_springs, add_dampers, count_damping
+   use kj_c_force, only: add_springs
+   use kj_c_damper, only: add_dampers, count_damping
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_midpoint, only: midpoint_drift
    use kj_c_body, only: kick, drift, spin_velocity, inverse_inertias
-   use kj_c_hold, only: project, project_rates, hold_rotations, motion_targets, FIRST_HALF, SECOND_HALF
+   use kj_c_hold, only: project, project_rates, hold_rotations, motion_targets, FIRST_HALF, &
+      SECOND_HALF
    implicit none
    private
 
@@ -42,7 +44,8 @@ contains
       state%poses%psi = 0.5_wp*h*state%poses%w
       state%poses%v = state%v
       do i = 1, size(c%batch)
-         if (c%batch(i)%damped) call count_damping(c%batch(i), state%poses, h, 1, c%batch(i)%n, state%joint(i))
+         if (c%batch(i)%damped) call count_damping(c%batch(i), state%poses, h, 1, c%batch(i)%n, &
+            state%joint(i))
       end do
       do i = 1, size(c%hold)
          old(:, i) = state%poses%quat(c%hold(i)%lead, :)
@@ -73,7 +76,8 @@ contains
 
       associate (n => model%n_body)
          state%impulse = state%impulse + 0.5_wp*h*(state%f(:n, :) - state%own_f(:n, :))
-         state%angular_impulse = state%angular_impulse + 0.5_wp*h*(state%t(:n, :) - state%own_t(:n, :))
+         state%angular_impulse = state%angular_impulse + &
+            0.5_wp*h*(state%t(:n, :) - state%own_t(:n, :))
       end associate
    end subroutine count_impulses
 
@@ -153,11 +157,13 @@ contains
       do k = 1, 3
          state%poses%v(:, k) = state%v(:, k) + 0.5_wp*h*c%im*state%f(:, k)
       end do
-      call spin_velocity(c, state%poses%quat, state%l + 0.5_wp*h*state%t, 1, model%n_lead, state%poses%w)
+      call spin_velocity(c, state%poses%quat, state%l + 0.5_wp*h*state%t, 1, model%n_lead, &
+         state%poses%w)
       call inverse_inertias(c, state%poses%quat, 1, model%n_lead, state%poses%ij)
       call project_rates(c, state, target, active)
       do b = 1, size(c%batch)
-         call add_dampers(c%batch(b), model%curves, state%poses, h, 1, c%batch(b)%n, state%joint(b), &
+         call add_dampers(c%batch(b), model%curves, state%poses, h, 1, c%batch(b)%n, &
+            state%joint(b), &
             state%wrench)
       end do
       call gather(model%map, state%wrench, 1, model%n_lead, state%f, state%t)
@@ -220,7 +226,8 @@ contains
       lead = model%lead(node)
       a = c%arm(node, :)
       t = 2.0_wp*cross(state%poses%quat(lead, 2:4), a)
-      x = state%poses%x(lead, :) + a + state%poses%quat(lead, 1)*t + cross(state%poses%quat(lead, 2:4), t)
+      x = state%poses%x(lead, :) + a + state%poses%quat(lead, 1)*t + &
+         cross(state%poses%quat(lead, 2:4), t)
    end function place_node
 
    !> Concentrated loads at t, and their work over the step: mean force times displacement
@@ -343,6 +350,7 @@ contains
       end do
    end function load_power
 
+   !> Acceleration of a gravity card now, W; zero while its sensor is silent
    pure function field_at(model, state, load) result(g)
       type(model_t), intent(in) :: model
       type(c_state_t), intent(in) :: state

@@ -11,6 +11,7 @@ module kj_energy
 
    public :: balance_t, balance_of, energy_error
 
+   !> Sums over a scene
    type :: balance_t
       real(wp) :: kinetic_trans = 0.0_wp, kinetic_rot = 0.0_wp
       real(wp) :: internal = 0.0_wp
@@ -37,7 +38,8 @@ contains
          b%kinetic_trans = b%kinetic_trans + 0.5_wp*state%mass(i)*dot_product(v, v)
          b%kinetic_rot = b%kinetic_rot + 0.5_wp*dot_product(w, spin)
          b%momentum = b%momentum + state%mass(i)*v
-         b%angular_momentum = b%angular_momentum + spin + state%mass(i)*cross(state%world%x(i, :), v)
+         b%angular_momentum = b%angular_momentum + spin + &
+            state%mass(i)*cross(state%world%x(i, :), v)
          b%mass = b%mass + state%mass(i)
       end do
       do k = 1, size(state%joint)

@@ -1,6 +1,7 @@
 !> Everything that changes during a legacy run.
 !>
-!> Between cycles x, d are at t(n), v, w at t(n - 1/2); after the forces of cycle n, a, al are at t(n).
+!> Between cycles x, d are at t(n), v, w at t(n - 1/2); after the forces of cycle n, a, al are at
+!> t(n).
 module kj_state
    use kj_kinds, only: wp
    use kj_model, only: model_t
@@ -13,10 +14,12 @@ module kj_state
 
    real(wp), parameter, public :: EPS20 = 1.0e-20_wp
    real(wp), parameter, public :: NO_LIMIT = 1.0e6_wp   !! step of a scene that nothing limits
-   real(wp), parameter, public :: GROWTH = real(1.1, wp)   !! largest growth of the step, single precision
+   !> largest growth of the step, single precision
+   real(wp), parameter, public :: GROWTH = real(1.1, wp)
 
    integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2, OWNER_JOINT = 3
 
+   !> The state
    type :: state_t
       integer :: cycle = 0
       real(wp) :: time = 0.0_wp
@@ -24,16 +27,20 @@ module kj_state
       real(wp) :: h_old = 0.0_wp                          !! memory of the growth limit
       integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: index of lead or joint
       logical :: staggered = .true.                       !! v, w half a step before x (legacy)
-      real(wp) :: ledger_error = 0.0_wp                   !! energy error of the consistent formulation
-      real(wp), allocatable :: ortho(:)                   !! (n_joint) loss of orthogonality, consistent
+      !> energy error of the consistent formulation
+      real(wp) :: ledger_error = 0.0_wp
+      !> (n_joint) loss of orthogonality, consistent
+      real(wp), allocatable :: ortho(:)
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
-      real(wp) :: turn2 = 0.0_wp                          !! largest square of a turn in a step so far
+      !> largest square of a turn in a step so far
+      real(wp) :: turn2 = 0.0_wp
       integer :: turn_body = 0                            !! the body that made it
       ! nodes and leads
       type(world_t) :: world                               !! x, w, skew axes
       real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3)
       real(wp), allocatable :: a(:, :), al(:, :)           !! (n_lead, 3)
-      real(wp), allocatable :: f(:, :), m(:, :)            !! (n_lead, 3) from joints and secondaries
+      !> (n_lead, 3) from joints and secondaries
+      real(wp), allocatable :: f(:, :), m(:, :)
       real(wp), allocatable :: f_own(:, :), m_own(:, :)    !! (n_lead, 3) loads on the lead itself
       real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
       real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
@@ -41,13 +48,15 @@ module kj_state
       real(wp), allocatable :: p(:, :)                     !! (n_body, 9) principal axes, columns, W
       real(wp), allocatable :: principal(:, :)             !! (n_body, 3)
       real(wp), allocatable :: impulse(:, :), angular_impulse(:, :), rotation_sum(:, :)
-      real(wp), allocatable :: w_before(:, :)              !! (n_bcs, 3) w before the conditions acted
+      !> (n_bcs, 3) w before the conditions acted
+      real(wp), allocatable :: w_before(:, :)
       integer, allocatable :: bcs_of(:)                    !! (n_lead) its conditions, 0 = none
       ! joints
       type(joint_state_t), allocatable :: joint(:)         !! one a batch
       real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_joint)
       ! work of loads
-      real(wp), allocatable :: motion_power(:)             !! of each imposed motion in the last cycle
+      !> of each imposed motion in the last cycle
+      real(wp), allocatable :: motion_power(:)
       real(wp), allocatable :: motion_turn(:, :)           !! (n_motion, 3) sum of w h of its lead
       real(wp) :: power = 0.0_wp                           !! of concentrated loads, this cycle
       real(wp) :: work = 0.0_wp                            !! external work

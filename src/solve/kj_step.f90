@@ -115,7 +115,8 @@ contains
 
       if (state%h2 > 0.0_wp .and. ieee_is_finite(state%h2) .and. &
          all(ieee_is_finite(state%al(:model%n_body, 1)))) return
-      call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '//str(state%cycle)// &
+      call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
+         str(state%cycle)// &
          ' (the nodal time step is no bound: try a smaller --dt-scale)')
    end subroutine check_step
 

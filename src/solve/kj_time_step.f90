@@ -91,7 +91,8 @@ contains
          end if
          if (state%inertia(i) > 0.0_wp) then
             if (fac*sqrt(2.0_wp*state%inertia(i)/state%kr(i)) >= model%control%dt_min) cycle
-            need = max(state%inertia(i), 1.00001_wp*0.5_wp*state%kr(i)*(model%control%dt_min/fac)**2)
+            need = max(state%inertia(i), 1.00001_wp*0.5_wp*state%kr(i)* &
+               (model%control%dt_min/fac)**2)
             if (i <= model%n_body) state%al(i, :) = state%al(i, :)*(state%inertia(i)/need)
             state%inertia(i) = need
          end if

@@ -79,7 +79,7 @@ contains
    end subroutine add_motion
 
    !> A joint from x1 on body 1 to x2 on body 2
-   subroutine add_joint(deck, type, skew_flag, body, x1, x2, e1, e2, kn, cr, k, c)
+   subroutine add_joint(deck, type, skew_flag, body, x1, x2, e1, e2, kn, cr, k, c, curve)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: type, skew_flag
       integer, intent(in) :: body(2)
@@ -87,16 +87,19 @@ contains
       real(wp), intent(in) :: e1(3, 3), e2(3, 3) !! axes of the skews, columns
       real(wp), intent(in) :: kn, cr
       real(wp), intent(in) :: k(6), c(6)         !! of the free directions
+      integer, intent(in), optional :: curve     !! function of the stiffness of a type with one free direction
 
       character(len=:), allocatable :: id
-      integer :: node(2)
+      integer :: node(2), law
 
+      law = 0
+      if (present(curve)) law = curve
       call add_end(deck, body(1), x1, e1, node(1))
       call add_end(deck, body(2), x2, e2, node(2))
       deck%n_joint = deck%n_joint + 1
       id = int_text(deck%n_joint)
       deck%blocks = deck%blocks//'/PROP/KJOINT/'//id//EOL//'joint'//EOL//ints([type, skew_flag])//EOL// &
-         ints([deck%n_skew - 1, deck%n_skew])//reals([0.0_wp, cr])//EOL//law_cards(type, kn, k, c)// &
+         ints([deck%n_skew - 1, deck%n_skew])//reals([0.0_wp, cr])//EOL//law_cards(type, kn, k, c, law)// &
          '/PART/'//id//EOL//'joint'//EOL//ints([deck%n_joint, 0, 0])//EOL// &
          '/SPRING/'//id//EOL//ints([900 + deck%n_joint, node])//EOL
    end subroutine add_joint
@@ -117,9 +120,9 @@ contains
          ints([node, node + 1, node + 2])//EOL
    end subroutine add_end
 
-   !> Cards of /PROP/KJOINT from the fourth on, linear laws
-   function law_cards(type, kn, k, c) result(text)
-      integer, intent(in) :: type
+   !> Cards of /PROP/KJOINT from the fourth on
+   function law_cards(type, kn, k, c, curve) result(text)
+      integer, intent(in) :: type, curve
       real(wp), intent(in) :: kn, k(6), c(6)
       character(len=:), allocatable :: text
 
@@ -139,7 +142,7 @@ contains
          text = reals(kf(1:3))//EOL//reals(kf(4:6))//EOL//ints([0, 0, 0])//EOL//ints([0, 0, 0])//EOL// &
             reals(cf(1:3))//EOL//reals(cf(4:6))//EOL//ints([0, 0, 0])//EOL//ints([0, 0, 0])//EOL
       case default
-         text = reals([kn, kf])//ints(0*nint(kf))//EOL//reals(cf)//ints(0*nint(cf))//EOL
+         text = reals([kn, kf])//ints(curve + 0*nint(kf))//EOL//reals(cf)//ints(0*nint(cf))//EOL
       end select
    end function law_cards
 
@@ -167,7 +170,7 @@ contains
       integer :: i
 
       s = [(i*dx/span, i=0, nint(span/dx))]
-      call add_curve(deck, [s*span, 1.0e3_wp], &
+      call add_curve(deck, [s*span, 2.0_wp*span], &
          [s**4*(35.0_wp - 84.0_wp*s + 70.0_wp*s**2 - 20.0_wp*s**3), 1.0_wp])
    end subroutine ramp_curve
 

@@ -2,7 +2,9 @@
 program accuracy_main
    use accuracy_check, only: check_t, say, quit
    use accuracy_order, only: check_order
-   use accuracy_ledger, only: check_ledger
+   use accuracy_ledger, only: check_ledger, check_momentum, check_cycles
+   use accuracy_extremes, only: check_masses, check_stiffnesses, check_lengths, check_far, check_coincident, &
+      check_opposite, check_turns, check_falling, check_weightless
    implicit none
 
    type(check_t) :: check
@@ -18,6 +20,28 @@ program accuracy_main
       call check_order(check, number)
    case ('ledger')
       call check_ledger(check)
+   case ('momentum')
+      call check_momentum(check)
+   case ('cycles')
+      call check_cycles(check, number)
+   case ('masses')
+      call check_masses(check)
+   case ('stiffnesses')
+      call check_stiffnesses(check)
+   case ('lengths')
+      call check_lengths(check)
+   case ('far')
+      call check_far(check)
+   case ('coincident')
+      call check_coincident(check)
+   case ('opposite')
+      call check_opposite(check)
+   case ('turns')
+      call check_turns(check)
+   case ('falling')
+      call check_falling(check)
+   case ('weightless')
+      call check_weightless(check)
    case default
       call say('there is no test '//name)
    end select
