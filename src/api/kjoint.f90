@@ -13,6 +13,7 @@ module kjoint
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
+   use kj_check, only: check_t
    implicit none
    private
 
@@ -20,6 +21,7 @@ module kjoint
    public :: ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, SEV_ERROR
    public :: run_options_t, run_status_t, simulation_t, monitor_t
    public :: load_simulation, run_simulation, simulation_title, default_output
+   public :: check_t, check_simulation
 
    !> What a run may be told; '' and 0 stand for the defaults
    type :: run_options_t
@@ -109,6 +111,12 @@ module kjoint
          type(run_status_t), intent(out) :: status
          type(error_t), allocatable, intent(out) :: error
       end subroutine run_simulation
+
+      !> Joints, bodies and time-step limits of a loaded scene, as they are at its start
+      module subroutine check_simulation(sim, report)
+         type(simulation_t), intent(in) :: sim
+         type(check_t), intent(out) :: report
+      end subroutine check_simulation
 
       !> Title of the deck
       module function simulation_title(sim) result(title)

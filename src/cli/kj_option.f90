@@ -11,8 +11,8 @@ module kj_option
    public :: command_t, option_t, word_t, arguments_t, parse_arguments, option_real
    public :: has_option, did_you_mean
 
-   integer, parameter, public :: CMD_RUN = 1, CMD_DIFF = 2, CMD_CONVERT = 3, CMD_INFO = 4, &
-      CMD_LIST = 5, CMD_HELP = 6, CMD_VERSION = 7
+   integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_DIFF = 3, CMD_CONVERT = 4, &
+      CMD_INFO = 5, CMD_LIST = 6, CMD_HELP = 7, CMD_VERSION = 8
 
    !> One command of the program
    type :: command_t
@@ -27,6 +27,8 @@ module kj_option
       !         id           name         operands                           least most meaning
       command_t(CMD_RUN,     'run',       'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
                 'advance a Radioss deck in time and write its history'), &
+      command_t(CMD_CHECK,   'check',     'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
+                'read and check a deck, and say what its scene is like'), &
       command_t(CMD_DIFF,    'diff',      'REF RUN',                            2, 2, &
                 'compare two histories, each a kjoint .h5 or a Radioss T01'), &
       command_t(CMD_CONVERT, 'convert',   'T01',                                1, 1, &
@@ -60,33 +62,33 @@ module kj_option
       !        id                short name                   value     commands
       option_t(OPT_OUTPUT,       '-o', '--output',            'RUN.h5', 'run convert', &
                'history to write; default: the name of the deck or T01, here'), &
-      option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run', &
+      option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check', &
                'the starter deck, as Radioss users type it'), &
-      option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run', &
+      option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run check', &
                'the scheme of Radioss, cycle by cycle: legacy, legacy, nodal'), &
-      option_t(OPT_FORMULATION,  '',   '--formulation',       'NAME',   'run', &
+      option_t(OPT_FORMULATION,  '',   '--formulation',       'NAME',   'run check', &
                'of the joints: consistent (default) or legacy'), &
       option_t(OPT_INTEGRATOR,   '',   '--integrator',        'NAME',   'run', &
                'of the bodies: split2 (default), liemid, rkmk4; legacy with legacy'), &
       option_t(OPT_DT_RULE,      '',   '--dt-rule',           'NAME',   'run', &
                'critical time step: safe (default), or nodal as Radioss has it'), &
-      option_t(OPT_DT_SCALE,     '',   '--dt-scale',          'S',      'run', &
+      option_t(OPT_DT_SCALE,     '',   '--dt-scale',          'S',      'run check', &
                'fraction of the critical time step; default: that of /DT, or 0.9'), &
-      option_t(OPT_UNTIL,        '',   '--until',             'T',      'run', &
+      option_t(OPT_UNTIL,        '',   '--until',             'T',      'run check', &
                'end of the run, instead of that of the engine deck'), &
-      option_t(OPT_SAMPLE,       '',   '--sample',            'DT',     'run', &
+      option_t(OPT_SAMPLE,       '',   '--sample',            'DT',     'run check', &
                'interval of the samples, instead of /TFILE; 0: every cycle'), &
       option_t(OPT_ENERGY_LIMIT, '',   '--energy-limit',      'PCT',    'run', &
                'stop with exit code 1 beyond this error; default 15, legacy: none'), &
-      option_t(OPT_IGNORE,       '',   '--ignore-unsupported', '',      'run', &
+      option_t(OPT_IGNORE,       '',   '--ignore-unsupported', '',      'run check', &
                'warn about keywords out of scope instead of stopping'), &
       option_t(OPT_REPRODUCIBLE, '',   '--reproducible',      '',       'run', &
                'no dates or host in the history: equal runs are equal bytes'), &
-      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run', &
+      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check', &
                'errors and warnings only'), &
-      option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run', &
+      option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check', &
                'notes with their cards, a listing line every /PRINT cycles'), &
-      option_t(OPT_JSON,         '',   '--json',              '',       'run diff', &
+      option_t(OPT_JSON,         '',   '--json',              '',       'run check diff', &
                'findings and summary as one JSON object on stdout'), &
       option_t(OPT_PROFILE,      '',   '--profile',           'NAME',   'diff', &
                'exact, repeat 1e-12, platform 1e-9, parity 1e-7 or solver 1e-2'), &

@@ -18,7 +18,7 @@ module kj_run_command
    implicit none
    private
 
-   public :: run_command
+   public :: run_command, default_engine, check_end, take_options, exit_code
 
    !> What came of a run
    type :: outcome_t
@@ -156,6 +156,7 @@ contains
       if (allocated(error)) outcome%verdict = 'ERROR TERMINATION'
    end subroutine advance
 
+   !> Exit code that findings and an error ask for
    integer function exit_code(findings, error) result(code)
       type(finding_list_t), intent(in) :: findings
       type(error_t), intent(in), allocatable :: error

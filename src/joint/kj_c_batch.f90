@@ -28,6 +28,7 @@ module kj_c_batch
       !> (n, 6) node 1 and node 2 from their leads, body axes
       real(wp), allocatable :: arm(:, :)
       real(wp), allocatable :: triad(:, :)       !! (n, 8) quaternions of the triads in body axes
+      real(wp), allocatable :: apart(:, :)       !! (n, 3) lead 2 from lead 1 at the start, W
       real(wp), allocatable :: xl0(:, :)         !! (n, 3) offset at the start, J
       real(wp), allocatable :: angle0(:)         !! (n) angle(e2, e3) at the start, universal
       !> (n, 6) stiffness and damping, or scale of the curve

@@ -21,6 +21,8 @@ module kj_c_force
    !> What joints see of the leads, joint-independent arrays
    type :: poses_t
       real(wp), allocatable :: x(:, :)            !! (n_lead, 3) W
+      real(wp), allocatable :: d(:, :)            !! (n_lead, 3) displacement: what joints read, so that
+                                                  !! a scene may lie far away
       real(wp), allocatable :: quat(:, :)         !! (n_lead, 4) attitude: world from body axes
       real(wp), allocatable :: v(:, :), w(:, :)   !! (n_lead, 3) velocities; predicted in pass 2
       !> (n_lead, 3) turn in the last step, rotation vector
@@ -105,8 +107,8 @@ contains
       call turn_arm(n, q2, a, arm2)
       do k = 1, 3
          do i = 1, n
-            r(i, k) = (poses%x(batch%lead(from + i - 1, 2), k) - &
-               poses%x(batch%lead(from + i - 1, 1), k)) + (arm2(i, k) - arm1(i, k))
+            r(i, k) = batch%apart(from + i - 1, k) + (poses%d(batch%lead(from + i - 1, 2), k) - &
+               poses%d(batch%lead(from + i - 1, 1), k)) + (arm2(i, k) - arm1(i, k))
          end do
       end do
       call relative_pose(n, q1, q2, c1, c2, t1, t2, p)

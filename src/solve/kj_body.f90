@@ -155,21 +155,15 @@ contains
       integer, intent(in) :: lo, hi
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: w(3), v(3), r(3), u(3), turn2
-      integer :: b, i
+      real(wp) :: w(3), v(3), turn2
+      integer :: b
       logical :: few
 
       do b = lo, hi
          few = model%first(b + 1) - model%first(b) <= 2
          v = state%v(b, :) + state%h12*state%a(b, :)
          w = state%world%w(b, :) + state%h12*state%al(b, :)
-         do i = model%first(b), model%first(b + 1) - 1
-            r = state%world%x(i, :) - state%world%x(b, :)
-            u = secondary_velocity(v, w, r, state%h2, state%h12, few)
-            state%v(i, :) = u
-            state%d(i, :) = state%d(i, :) + state%h2*u
-            state%world%x(i, :) = state%world%x(i, :) + state%h2*u
-         end do
+         call move_crew(state, b, few, v, w)
          turn2 = state%h2**2*sum(state%world%w(b, :)**2)
          if (turn2 > state%turn2) then
             state%turn2 = turn2
@@ -182,5 +176,43 @@ contains
          end if
       end do
    end subroutine move_secondaries
+
+   !> Move the secondary nodes of one body that anyone reads; see secondary_velocity
+   pure subroutine move_crew(state, b, few, v, w)
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: b
+      logical, intent(in) :: few
+      real(wp), intent(in) :: v(3), w(3)        !! new velocities of the body
+
+      real(wp) :: r1, r2, r3, t1, t2, t3, u(3), half
+      integer :: i, k
+
+      half = 0.5_wp*state%h2
+      do k = state%first_moved(b), state%first_moved(b + 1) - 1
+         i = state%moved(k)
+         r1 = state%world%x(i, 1) - state%world%x(b, 1)
+         r2 = state%world%x(i, 2) - state%world%x(b, 2)
+         r3 = state%world%x(i, 3) - state%world%x(b, 3)
+         if (few) then
+            u = secondary_velocity(v, w, [r1, r2, r3], state%h2, state%h12, few)
+         else
+            t1 = w(2)*r3 - w(3)*r2
+            t2 = w(3)*r1 - w(1)*r3
+            t3 = w(1)*r2 - w(2)*r1
+            u(1) = v(1) + t1 + half*(w(2)*t3 - w(3)*t2)
+            u(2) = v(2) + t2 + half*(w(3)*t1 - w(1)*t3)
+            u(3) = v(3) + t3 + half*(w(1)*t2 - w(2)*t1)
+         end if
+         state%v(i, 1) = u(1)
+         state%v(i, 2) = u(2)
+         state%v(i, 3) = u(3)
+         state%d(i, 1) = state%d(i, 1) + state%h2*u(1)
+         state%d(i, 2) = state%d(i, 2) + state%h2*u(2)
+         state%d(i, 3) = state%d(i, 3) + state%h2*u(3)
+         state%world%x(i, 1) = state%world%x(i, 1) + state%h2*u(1)
+         state%world%x(i, 2) = state%world%x(i, 2) + state%h2*u(2)
+         state%world%x(i, 3) = state%world%x(i, 3) + state%h2*u(3)
+      end do
+   end subroutine move_crew
 
 end module kj_body

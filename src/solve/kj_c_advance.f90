@@ -245,7 +245,7 @@ contains
          g = field_at(model, state, model%gravity(i))
          do k = 1, size(model%gravity(i)%node)
             lead = model%gravity(i)%node(k)
-            u = u - model%mass(lead)*dot_product(g, state%d(lead, :))
+            u = u - model%mass(lead)*dot_product(g, state%poses%d(lead, :))
          end do
       end do
    end function potential

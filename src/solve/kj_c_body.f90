@@ -51,7 +51,7 @@ contains
          n = to - from + 1
          do k = 1, 3
             state%poses%x(from:to, k) = state%poses%x(from:to, k) + h*state%v(from:to, k)
-            state%d(from:to, k) = state%d(from:to, k) + h*state%v(from:to, k)
+            state%poses%d(from:to, k) = state%poses%d(from:to, k) + h*state%v(from:to, k)
             l(:n, k) = state%l(from:to, k)
          end do
          q(:n, :) = state%poses%quat(from:to, :)

@@ -239,6 +239,7 @@ contains
       batch%k_curve = old%k_curve
       batch%c_curve = old%c_curve
       batch%xl0 = old%xl0
+      batch%apart = model%x0(old%lead(:, 2), :) - model%x0(old%lead(:, 1), :)
       batch%plain = [(all(joint_types(old%row)%free(1:3) == 0) .and. batch%mean .and. &
          batch%chart == CHART_VECTOR .and. norm2(old%xl0(i, :)) <= 0.0_wp, i=1, old%n)]
       allocate (batch%arm(old%n, 6), batch%triad(old%n, 8), batch%angle0(old%n))
@@ -311,9 +312,8 @@ contains
          allocate (p%quat, source=c%quat0)
          allocate (p%v, source=model%v0(:n, :))
          allocate (state%v, source=model%v0(:n, :))
-         allocate (p%w(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), state%l(n, 3), state%d(n, 3), &
-            state%f(n, 3), &
-            state%t(n, 3), state%own_f(n, 3), state%own_t(n, 3), source=0.0_wp)
+         allocate (p%w(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), p%d(n, 3), state%l(n, 3), &
+            state%f(n, 3), state%t(n, 3), state%own_f(n, 3), state%own_t(n, 3), source=0.0_wp)
          allocate (state%impulse(model%n_body, 3), state%angular_impulse(model%n_body, 3), &
             state%turn(model%n_body, 3), source=0.0_wp)
          p%im = c%im*c%n_joint

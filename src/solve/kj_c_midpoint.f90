@@ -27,7 +27,7 @@ contains
 
       do i = lo, hi
          state%poses%x(i, :) = state%poses%x(i, :) + h*state%v(i, :)
-         state%d(i, :) = state%d(i, :) + h*state%v(i, :)
+         state%poses%d(i, :) = state%poses%d(i, :) + h*state%v(i, :)
          q = state%poses%quat(i, :)
          l = matmul(state%l(i, :), reshape(columns(q), [3, 3]))
          psi = midpoint_turn(c%ii(i, :), l, h)

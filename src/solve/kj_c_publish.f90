@@ -73,7 +73,7 @@ contains
          state%world%w = cs%poses%w
          state%world%skew = cs%skew
          state%v(:n, :) = cs%v
-         state%d(:n, :) = cs%d
+         state%d(:n, :) = cs%poses%d
          state%f = cs%f - cs%own_f
          state%m = cs%t - cs%own_t
          state%f_own = cs%own_f
@@ -144,7 +144,7 @@ contains
       r = place_node(model, c, cs, node) - cs%poses%x(lead, :)
       r0 = model%x0(node, :) - model%x0(lead, :)
       state%world%x(node, :) = cs%poses%x(lead, :) + r
-      state%d(node, :) = cs%d(lead, :) + (r - r0)
+      state%d(node, :) = cs%poses%d(lead, :) + (r - r0)
       state%v(node, :) = cs%v(lead, :) + cross(cs%poses%w(lead, :), r)
    end subroutine publish_node
 

@@ -44,7 +44,7 @@ contains
       state%h = h
       state%by_steps = .false.
       x = state%poses%x
-      d = state%d
+      d = state%poses%d
       quat = state%poses%quat
       v = state%v
       l = state%l
@@ -110,7 +110,7 @@ contains
       integer :: from, to, n
 
       state%poses%x = x + h*rates%x
-      state%d = d + h*rates%x
+      state%poses%d = d + h*rates%x
       state%v = v + h*rates%v
       state%l = l + h*rates%l
       do from = 1, model%n_lead, BLOCK

@@ -53,7 +53,6 @@ module kj_c_state
       type(poses_t) :: poses                     !! what joints see
       !> (n_lead, 3) velocity, angular momentum about the lead, W
       real(wp), allocatable :: v(:, :), l(:, :)
-      real(wp), allocatable :: d(:, :)           !! (n_lead, 3) displacement
       real(wp), allocatable :: f(:, :), t(:, :)  !! (n_lead, 3) force and moment, all but reactions
       !> (n_lead, 3) of these, gravity and loads on the lead itself
       real(wp), allocatable :: own_f(:, :), own_t(:, :)

@@ -285,7 +285,7 @@ contains
       force = 0.0_wp
       if (x < 0.0_wp .or. state%time > load%t_stop) return
       if (load%abscissa == BY_DISPLACEMENT) then
-         x = dot_product(state%d(lead, :), axis)
+         x = dot_product(state%poses%d(lead, :), axis)
       else if (load%abscissa /= BY_TIME) then
          x = dot_product(state%v(lead, :) + cross(state%poses%w(lead, :), arm), axis)
          if (load%dir > 3) x = dot_product(state%poses%w(lead, :), axis)

@@ -44,6 +44,9 @@ module kj_state
       real(wp), allocatable :: f_own(:, :), m_own(:, :)    !! (n_lead, 3) loads on the lead itself
       real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
       real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
+      !> secondary nodes that joints, skews, loads or the history read, body by body: body b moves
+      !> moved(first_moved(b)) .. moved(first_moved(b + 1) - 1)
+      integer, allocatable :: moved(:), first_moved(:)
       ! bodies
       real(wp), allocatable :: p(:, :)                     !! (n_body, 9) principal axes, columns, W
       real(wp), allocatable :: principal(:, :)             !! (n_body, 3)
@@ -64,6 +67,34 @@ module kj_state
    end type state_t
 
 contains
+
+   !> Secondary nodes that anyone reads; the others stay where they were
+   pure subroutine list_moved(model, moved, first_moved)
+      type(model_t), intent(in) :: model
+      integer, allocatable, intent(out) :: moved(:), first_moved(:)
+
+      logical :: used(model%n_node)
+      integer :: i
+
+      used = .false.
+      used(model%th_node) = .true.
+      do i = 1, model%n_joint
+         used(model%joint(i)%node) = .true.
+      end do
+      do i = 1, size(model%skews%needed)
+         used(model%skews%node(:, model%skews%needed(i))) = .true.
+      end do
+      do i = 1, size(model%cload)
+         used(model%cload(i)%node) = .true.
+      end do
+      moved = pack([(i, i=1, model%n_node)], used)
+      moved = pack(moved, moved > model%n_lead)
+      allocate (first_moved(model%n_body + 1))
+      first_moved(1) = 1
+      do i = 1, model%n_body
+         first_moved(i + 1) = first_moved(i) + count(used(model%first(i):model%first(i + 1) - 1))
+      end do
+   end subroutine list_moved
 
    !> State at t = 0, before the first cycle
    subroutine new_state(model, state)
@@ -90,6 +121,7 @@ contains
       end associate
       allocate (state%mass, source=model%mass)
       allocate (state%inertia, source=model%inertia)
+      call list_moved(model, state%moved, state%first_moved)
       allocate (state%p, source=model%axes)
       allocate (state%principal, source=model%principal)
       allocate (state%w_before(size(model%bcs), 3), source=0.0_wp)

@@ -1,0 +1,39 @@
+!> What `check_simulation` tells of a scene before it runs.
+module kj_check
+   use kj_kinds, only: wp
+   implicit none
+   private
+
+   public :: check_t
+
+   !> Joints, bodies and time-step limits; all in work units, ids are those of the deck
+   type :: check_t
+      integer :: n_node = 0, n_free = 0, n_curve = 0, n_load = 0
+      ! limits of the time step, before any factor
+      real(wp) :: nodal_step = 0.0_wp             !! the rule of Radioss; huge: nothing limits it
+      real(wp) :: safe_step = 0.0_wp              !! stable for certain
+      real(wp) :: exact_step = 0.0_wp             !! of the assembled scene; 0: too large to tell
+      real(wp) :: factor = 0.0_wp                 !! on the critical step, of deck or options
+      integer :: safe_joint = 0                   !! joint that holds the safe step, 0 = none
+      ! joints in deck order
+      integer, allocatable :: joint(:), property(:)   !! (n_joint)
+      integer, allocatable :: row(:)              !! (n_joint) of kj_joint_types
+      integer, allocatable :: kind(:)             !! (n_joint) KJOINT or KJOINT2
+      integer, allocatable :: frame(:)            !! (n_joint) FRAME_ constant
+      integer, allocatable :: node(:, :), body(:, :)  !! (2, n_joint); body 0 = a free node
+      real(wp), allocatable :: length(:)          !! (n_joint) from node 1 to node 2
+      !> (2, n_joint) stiffness of the blocked translations and rotations, 0 = none or not yet known
+      real(wp), allocatable :: blocking(:, :)
+      logical, allocatable :: automatic(:)        !! (n_joint) blocking comes from the first step
+      real(wp), allocatable :: ratio(:)           !! (n_joint) largest damping ratio of all dofs
+      real(wp), allocatable :: step(:)            !! (n_joint) critical step of the joint alone
+      ! bodies in ascending id
+      integer, allocatable :: body_id(:), n_secondary(:), n_joint(:)   !! (n_body)
+      real(wp), allocatable :: mass(:)            !! (n_body)
+      real(wp), allocatable :: inertia(:, :)      !! (3, n_body) principal, descending
+      real(wp), allocatable :: centre(:, :)       !! (3, n_body) centre of gravity, W
+      logical, allocatable :: held(:, :)          !! (6, n_body) blocked by conditions
+      integer, allocatable :: n_driven(:)         !! (n_body) imposed motions
+   end type check_t
+
+end module kj_check

@@ -1,0 +1,147 @@
+!> Bodies of the public module: what a scene is like before it runs.
+submodule (kjoint) kjoint_check
+   use kj_joint_types, only: joint_types, NDOF
+   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_DAMPER_CURVE
+   use kj_curve, only: curve_set_t, law_value
+   use kj_c_build, only: build_c_model, new_c_state
+   use kj_c_bound, only: bound_t, new_bound, nodal_bound, exact_bound
+   implicit none
+
+   integer, parameter :: MOST_DOFS = 600         !! of the eigenvalue problem of the whole scene
+
+contains
+
+   module procedure check_simulation
+      report%n_node = sim%model%n_node
+      report%n_free = sim%model%n_lead - sim%model%n_body
+      report%n_curve = sim%model%curves%n
+      report%n_load = size(sim%model%cload) + size(sim%model%gravity)
+      call tell_joints(sim%model, report)
+      call tell_bodies(sim%model, report)
+      call tell_limits(sim%model, report)
+   end procedure check_simulation
+
+   !> Type, ends, frame, length, stiffness and damping of each joint
+   subroutine tell_joints(model, report)
+      type(model_t), intent(in) :: model
+      type(check_t), intent(inout) :: report
+
+      integer :: j, n, p, e
+
+      n = model%n_joint
+      report%joint = model%joint%id
+      report%property = model%joint%property
+      report%row = model%joint%row
+      allocate (report%kind(n), report%frame(n), report%node(2, n), report%automatic(n))
+      allocate (report%body(2, n), source=0)
+      allocate (report%length(n), report%blocking(2, n), report%ratio(n), source=0.0_wp)
+      do j = 1, n
+         p = model%joint(j)%place
+         associate (b => model%batch(model%joint(j)%batch), node => model%joint(j)%node)
+            report%kind(j) = b%kind
+            report%frame(j) = b%frame
+            report%node(:, j) = model%node_id(node)
+            do e = 1, 2
+               if (model%lead(node(e)) <= model%n_body) &
+                  report%body(e, j) = model%body_id(model%lead(node(e)))
+            end do
+            report%length(j) = norm2(model%x0(node(2), :) - model%x0(node(1), :))
+            report%automatic(j) = .false.
+            if (b%limited) report%automatic(j) = b%limit%automatic(p)
+            report%blocking(1, j) = maxval(b%k(p, :3), mask=joint_types(b%row)%free(:3) == 0)
+            report%blocking(2, j) = maxval(b%k(p, 4:), mask=joint_types(b%row)%free(4:) == 0)
+            report%blocking(:, j) = max(0.0_wp, report%blocking(:, j))
+            report%ratio(j) = damping_ratio(model%curves, b%law, b%k(p, :), b%c(p, :), &
+               b%k_curve(p, :), b%c_curve(p, :), b%reduced(p, :))
+         end associate
+      end do
+   end subroutine tell_joints
+
+   !> Largest c/(2 sqrt(k m)) of all dofs with a stiffness; curves count with their slope at 0
+   pure real(wp) function damping_ratio(curves, law, k, c, k_curve, c_curve, reduced) result(ratio)
+      type(curve_set_t), intent(in) :: curves
+      integer, intent(in) :: law(NDOF), k_curve(NDOF), c_curve(NDOF)
+      real(wp), intent(in) :: k(NDOF), c(NDOF)   !! or scales of curves
+      real(wp), intent(in) :: reduced(2)         !! mass and inertia
+
+      real(wp) :: stiffness, damping, m, y, slope
+      integer :: dof
+
+      ratio = 0.0_wp
+      do dof = 1, NDOF
+         stiffness = k(dof)
+         damping = c(dof)
+         m = reduced(merge(1, 2, dof <= 3))
+         if (iand(law(dof), LAW_SPRING_CURVE) /= 0) then
+            call law_value(curves, k_curve(dof), 0.0_wp, y, slope)
+            stiffness = k(dof)*slope
+         end if
+         if (iand(law(dof), LAW_DAMPER_CURVE) /= 0) then
+            call law_value(curves, c_curve(dof), 0.0_wp, y, slope)
+            damping = c(dof)*slope
+         end if
+         if (.not. stiffness*m > 0.0_wp) cycle
+         ratio = max(ratio, damping/(2.0_wp*sqrt(stiffness*m)))
+      end do
+   end function damping_ratio
+
+   !> Mass, inertia, centre, joints and conditions of each body
+   subroutine tell_bodies(model, report)
+      type(model_t), intent(in) :: model
+      type(check_t), intent(inout) :: report
+
+      integer :: i, n
+
+      n = model%n_body
+      report%body_id = model%body_id
+      report%n_secondary = model%first(2:) - model%first(:n)
+      report%n_joint = model%map%first(2:n + 1) - model%map%first(:n)
+      report%mass = model%mass(:n)
+      report%inertia = transpose(model%principal)
+      report%centre = transpose(model%x0(:n, :))
+      allocate (report%held(6, n), source=.false.)
+      allocate (report%n_driven(n), source=0)
+      do i = 1, size(model%bcs)
+         if (model%bcs(i)%lead <= n) report%held(:, model%bcs(i)%lead) = model%bcs(i)%fixed
+      end do
+      do i = 1, size(model%motion)
+         associate (lead => model%motion(i)%lead)
+            if (lead <= n) report%n_driven(lead) = report%n_driven(lead) + 1
+         end associate
+      end do
+   end subroutine tell_bodies
+
+   !> Limits of the time step in the first pose
+   subroutine tell_limits(model, report)
+      type(model_t), intent(in) :: model
+      type(check_t), intent(inout) :: report
+
+      type(c_model_t) :: c
+      type(c_state_t) :: state
+      type(bound_t) :: bound
+
+      report%factor = model%control%dt_factor
+      call build_c_model(model, c)
+      call new_c_state(model, c, state)
+      call new_bound(model, c, .false., state, bound)
+      report%safe_step = bound%h
+      call nodal_bound(model, c, state, report%nodal_step)
+      call exact_bound(model, c, state, bound, MOST_DOFS, report%exact_step)
+      call sort_limits()
+
+   contains
+
+      !> Batch order to deck order
+      subroutine sort_limits()
+         integer :: j, at
+
+         allocate (report%step(model%n_joint))
+         do j = 1, model%n_joint
+            at = model%batch(model%joint(j)%batch)%first + model%joint(j)%place
+            report%step(j) = bound%limit(at)
+            if (bound%joint == at) report%safe_joint = model%joint(j)%id
+         end do
+      end subroutine sort_limits
+   end subroutine tell_limits
+
+end submodule kjoint_check

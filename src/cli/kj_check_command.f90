@@ -1,0 +1,347 @@
+!> `kjoint check`: reads and checks a deck, and prints what its scene is like.
+module kj_check_command
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, finding_list_t, add_finding, str
+   use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST
+   use kj_joint_batch, only: KJOINT2
+   use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_terminal, only: print_line, may_colour, STDERR
+   use kj_render, only: print_findings, print_failure
+   use kj_json, only: json_member, json_text, json_real, json_findings
+   use kj_run_command, only: default_engine, check_end, take_options, exit_code
+   use kjoint, only: simulation_t, run_options_t, check_t, load_simulation, check_simulation, &
+      simulation_title
+   implicit none
+   private
+
+   public :: check_command
+
+contains
+
+   !> Check a deck as the arguments say; everything that is to be said has been said on return
+   subroutine check_command(args, code)
+      type(arguments_t), intent(in) :: args
+      integer, intent(out) :: code                   !! exit code
+
+      type(run_options_t) :: options
+      type(simulation_t) :: sim
+      type(check_t) :: report
+      type(finding_list_t) :: findings
+      type(error_t), allocatable :: error, no_end
+      character(len=:), allocatable :: engine
+      logical :: well
+
+      call take_options(args, options, error)
+      if (.not. allocated(error)) then
+         engine = default_engine(args%operand(1)%s)
+         if (args%n_operand == 2) engine = args%operand(2)%s
+         if (engine == '') call check_end(args, no_end)
+         if (allocated(no_end)) options%until = 1.0_wp     ! to see what else is wrong
+         call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
+      end if
+      if (.not. allocated(error) .and. allocated(no_end)) call move_alloc(no_end, error)
+      code = exit_code(findings, error)
+      well = .not. allocated(error) .and. findings%n_error == 0
+      if (well .and. (args%given(OPT_JSON) .or. .not. args%given(OPT_QUIET))) &
+         call check_simulation(sim, report)
+      if (args%given(OPT_JSON)) then
+         if (allocated(error)) call add_finding(findings, error)
+         call print_json(sim, report, well, code, findings)
+         return
+      end if
+      call print_findings(findings, may_colour(STDERR), args%given(OPT_VERBOSE), &
+         args%given(OPT_QUIET))
+      if (allocated(error)) call print_failure(error, may_colour(STDERR))
+      if (well .and. .not. args%given(OPT_QUIET)) call print_report(sim, report, findings)
+   end subroutine check_command
+
+   subroutine print_report(sim, report, findings)
+      type(simulation_t), intent(in) :: sim
+      type(check_t), intent(in) :: report
+      type(finding_list_t), intent(in) :: findings
+
+      call print_line(simulation_title(sim))
+      call print_line('   '//amount(size(report%joint), 'joint')//', '// &
+         amount(size(report%body_id), 'rigid bod')//', '//amount(report%n_node, 'node')//' ('// &
+         str(report%n_free)//' free), '//amount(report%n_curve, 'function')//', '// &
+         amount(report%n_load, 'load'))
+      if (size(report%joint) > 0) call print_joints(report)
+      if (size(report%body_id) > 0) call print_bodies(report)
+      call print_line('')
+      call print_line('critical time step (a run takes '//fixed(report%factor, 3)//' of it)')
+      call print_line('   nodal rule  '//trim(step_text(report%nodal_step)))
+      if (report%safe_joint > 0) then
+         call print_line('   safe        '//step_text(report%safe_step)//'  (joint '// &
+            str(report%safe_joint)//')')
+      else
+         call print_line('   safe        '//trim(step_text(report%safe_step)))
+      end if
+      if (report%exact_step > 0.0_wp) then
+         call print_line('   exact       '//trim(step_text(report%exact_step)))
+      else
+         call print_line('   exact       not computed: the scene is too large')
+      end if
+      call print_line('')
+      call print_line('findings: '//amount(findings%n_error, 'error')//', '// &
+         amount(findings%n_warning, 'warning'))
+   end subroutine print_report
+
+   subroutine print_joints(report)
+      type(check_t), intent(in) :: report
+
+      character(len=:), allocatable :: line
+      integer :: j
+
+      call print_line('')
+      call print_line('     joint  type            bodies              frame       '// &
+         'length       blocking k   (rotation)   damping  critical dt')
+      do j = 1, size(report%joint)
+         line = right(str(report%joint(j)), 10)//'  '//type_text(report, j)//'  '// &
+            left(body_text(report%body(:, j)), 18)//'  '//frame_text(report%frame(j))//'  '
+         line = line//number(report%length(j))//'  '//blocking_text(report, j, 1)//'  '// &
+            blocking_text(report, j, 2)//'  '//right(fixed(report%ratio(j), 3), 7)//'  '// &
+            step_text(report%step(j))
+         call print_line(trim(line))
+      end do
+      call print_line('   blocking k of rotations: moment per rad; damping: largest ratio '// &
+         'c/(2 sqrt(k m)) of all directions')
+   end subroutine print_joints
+
+   subroutine print_bodies(report)
+      type(check_t), intent(in) :: report
+
+      integer :: b
+
+      call print_line('')
+      call print_line('      body  mass         principal inertia                      '// &
+         'centre of gravity                      joints  held     driven')
+      do b = 1, size(report%body_id)
+         call print_line(right(str(report%body_id(b)), 10)//'  '//number(report%mass(b))//'  '// &
+            three(report%inertia(:, b))//'  '//three(report%centre(:, b))//'  '// &
+            right(str(report%n_joint(b)), 6)//'  '//left(held_text(report%held(:, b)), 7)//'  '// &
+            str(report%n_driven(b)))
+      end do
+   end subroutine print_bodies
+
+   !> 'revolute', with a 2 behind that of a KJOINT2
+   pure function type_text(report, j) result(text)
+      type(check_t), intent(in) :: report
+      integer, intent(in) :: j
+      character(len=14) :: text
+
+      text = joint_types(report%row(j))%name
+      if (report%kind(j) == KJOINT2) text = trim(text)//'2'
+   end function type_text
+
+   pure function body_text(body) result(text)
+      integer, intent(in) :: body(2)
+      character(len=:), allocatable :: text
+
+      character(len=:), allocatable :: one(:)
+
+      allocate (character(len=12) :: one(2))
+      one = 'node'
+      if (body(1) > 0) one(1) = str(body(1))
+      if (body(2) > 0) one(2) = str(body(2))
+      text = trim(one(1))//' - '//trim(one(2))
+   end function body_text
+
+   !> How the joint frame turns
+   pure function frame_text(frame) result(text)
+      integer, intent(in) :: frame                  !! FRAME_ constant
+      character(len=10) :: text
+
+      text = 'cross'
+      if (frame == FRAME_MEAN) text = 'mean'
+      if (frame == FRAME_FIRST) text = 'first skew'
+   end function frame_text
+
+   !> Stiffness of the blocked translations (1) or rotations (2)
+   function blocking_text(report, j, which) result(text)
+      type(check_t), intent(in) :: report
+      integer, intent(in) :: j, which
+      character(len=11) :: text
+
+      text = '-'
+      if (report%blocking(which, j) > 0.0_wp) text = number(report%blocking(which, j))
+      if (report%automatic(j)) text = 'automatic'
+   end function blocking_text
+
+   !> 'xyz xyz': held translations and rotations, '-' where free
+   pure function held_text(held) result(text)
+      logical, intent(in) :: held(6)
+      character(len=7) :: text
+
+      integer :: i
+
+      text = '--- ---'
+      do i = 1, 3
+         if (held(i)) text(i:i) = 'xyz'(i:i)
+         if (held(i + 3)) text(i + 4:i + 4) = 'xyz'(i:i)
+      end do
+   end function held_text
+
+   function step_text(step) result(text)
+      real(wp), intent(in) :: step
+      character(len=11) :: text
+
+      text = 'no limit'
+      if (step < 0.5_wp*huge(step)) text = number(step)
+   end function step_text
+
+   pure function number(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=11) :: text
+
+      write (text, '(es11.4)') value
+      text = adjustl(text)
+   end function number
+
+   pure function three(value) result(text)
+      real(wp), intent(in) :: value(3)
+      character(len=37) :: text
+
+      text = number(value(1))//'  '//number(value(2))//'  '//number(value(3))
+   end function three
+
+   pure function fixed(value, digits) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: digits
+      character(len=:), allocatable :: text
+
+      character(len=24) :: buffer, form
+
+      if (abs(value) >= 1.0e4_wp) then
+         write (buffer, '(es9.2)') value
+      else
+         write (form, '(a,i0,a)') '(f12.', digits, ')'
+         write (buffer, form) value
+      end if
+      text = trim(adjustl(buffer))
+   end function fixed
+
+   !> '1 joint', '2 joints', '1 rigid body', '2 rigid bodies'
+   pure function amount(n, what) result(text)
+      integer, intent(in) :: n
+      character(len=*), intent(in) :: what
+      character(len=:), allocatable :: text
+
+      text = str(n)//' '//what
+      if (what == 'rigid bod') then
+         if (n == 1) text = text//'y'
+         if (n /= 1) text = text//'ies'
+      else if (n /= 1) then
+         text = text//'s'
+      end if
+   end function amount
+
+   pure function right(text, n) result(field)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: n
+      character(len=max(n, len(text))) :: field
+
+      field = text
+      field = adjustr(field)
+   end function right
+
+   pure function left(text, n) result(field)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: n
+      character(len=max(n, len(text))) :: field
+
+      field = text
+   end function left
+
+   subroutine print_json(sim, report, well, code, findings)
+      type(simulation_t), intent(in) :: sim
+      type(check_t), intent(in) :: report
+      logical, intent(in) :: well
+      integer, intent(in) :: code
+      type(finding_list_t), intent(in) :: findings
+
+      integer :: i
+
+      call print_line('{'//json_member('exit_code', str(code)))
+      if (well) then
+         call print_line(', '//json_member('title', json_text(simulation_title(sim)))// &
+            ', '//json_member('nodes', str(report%n_node))// &
+            ', '//json_member('free_nodes', str(report%n_free))// &
+            ', '//json_member('functions', str(report%n_curve))// &
+            ', '//json_member('nodal_step', json_step(report%nodal_step))// &
+            ', '//json_member('safe_step', json_step(report%safe_step))// &
+            ', '//json_member('safe_joint', str(report%safe_joint))// &
+            ', '//json_member('exact_step', json_step(report%exact_step))// &
+            ', '//json_member('factor', json_real(report%factor)))
+         call print_line(', "joints": [')
+         do i = 1, size(report%joint)
+            call print_line(joint_json(report, i)//comma(i, size(report%joint)))
+         end do
+         call print_line('], "bodies": [')
+         do i = 1, size(report%body_id)
+            call print_line(body_json(report, i)//comma(i, size(report%body_id)))
+         end do
+         call print_line(']')
+      end if
+      call print_line(', '//json_member('findings', json_findings(findings))//'}')
+   end subroutine print_json
+
+   pure function comma(i, n) result(text)
+      integer, intent(in) :: i, n
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (i < n) text = ','
+   end function comma
+
+   function joint_json(report, j) result(json)
+      type(check_t), intent(in) :: report
+      integer, intent(in) :: j
+      character(len=:), allocatable :: json
+
+      json = '{'//json_member('id', str(report%joint(j)))// &
+         ', '//json_member('type', json_text(trim(type_text(report, j))))// &
+         ', '//json_member('property', str(report%property(j)))// &
+         ', '//json_member('nodes', '['//str(report%node(1, j))//', '//str(report%node(2, &
+         j))//']')// &
+         ', '//json_member('bodies', '['//str(report%body(1, j))//', '//str(report%body(2, &
+         j))//']')// &
+         ', '//json_member('frame', json_text(trim(frame_text(report%frame(j)))))// &
+         ', '//json_member('length', json_real(report%length(j)))// &
+         ', '//json_member('blocking_translation', json_real(report%blocking(1, j)))// &
+         ', '//json_member('blocking_rotation', json_real(report%blocking(2, j)))// &
+         ', '//json_member('damping_ratio', json_real(report%ratio(j)))// &
+         ', '//json_member('critical_step', json_step(report%step(j)))//'}'
+   end function joint_json
+
+   function body_json(report, b) result(json)
+      type(check_t), intent(in) :: report
+      integer, intent(in) :: b
+      character(len=:), allocatable :: json
+
+      json = '{'//json_member('id', str(report%body_id(b)))// &
+         ', '//json_member('mass', json_real(report%mass(b)))// &
+         ', '//json_member('inertia', json_reals(report%inertia(:, b)))// &
+         ', '//json_member('centre', json_reals(report%centre(:, b)))// &
+         ', '//json_member('secondary_nodes', str(report%n_secondary(b)))// &
+         ', '//json_member('joints', str(report%n_joint(b)))// &
+         ', '//json_member('held', json_text(held_text(report%held(:, b))))// &
+         ', '//json_member('driven', str(report%n_driven(b)))//'}'
+   end function body_json
+
+   function json_reals(value) result(json)
+      real(wp), intent(in) :: value(3)
+      character(len=:), allocatable :: json
+
+      json = '['//json_real(value(1))//', '//json_real(value(2))//', '//json_real(value(3))//']'
+   end function json_reals
+
+   !> null where nothing limits the step
+   function json_step(step) result(json)
+      real(wp), intent(in) :: step
+      character(len=:), allocatable :: json
+
+      json = 'null'
+      if (step < 0.5_wp*huge(step)) json = json_real(step)
+   end function json_step
+
+end module kj_check_command
