@@ -87,6 +87,9 @@ module kj_message_scene
    message_t('KJ-9156', SEV_WARNING, 'histories of parts', &
       '/TH/PART is read and checked, but nothing is written for it.', &
       'See the histories of joints and bodies.'), &
+   message_t('KJ-9157', SEV_WARNING, 'a rigid body without mass', &
+      'Radioss takes 1e-20, so the body can move only where it is held or driven.', &
+      'Give the body a mass on its card or on its nodes.'), &
    message_t('KJ-9209', SEV_WARNING, 'legacy: the scale of a load over displacement or velocity', &
       'OpenRadioss converts it as a time.', &
       'Use the same input and work units.'), &

@@ -5,7 +5,7 @@ module kj_values
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, str
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_INNER_BLANK, &
       NUMBER_NOT_FINITE, NUMBER_FRACTION, NUMBER_WHOLE_REAL, NUMBER_TOO_LARGE
-   use kj_deck_data, only: deck_t, add_deck_finding, line_text
+   use kj_deck_data, only: deck_t, add_deck_finding, line_text, header_end
    use kj_cut, only: cut_t
    implicit none
    private
@@ -108,7 +108,7 @@ contains
       type(finding_list_t), intent(inout) :: findings
 
       if (cut%torn > 0) then
-         call add_deck_finding(deck, line, cut%tab, cut%last(cut%torn) + 1, SEV_ERROR, 'KJ-9008', &
+         call add_deck_finding(deck, line, cut%tab, header_end(deck, line), SEV_ERROR, 'KJ-9008', &
             'a tab moves a number over the border of its field', 'a tab counts as one column', &
             findings, 'replace tabs by blanks')
          return

@@ -21,8 +21,8 @@ module kj_c_force
    !> What joints see of the leads, joint-independent arrays
    type :: poses_t
       real(wp), allocatable :: x(:, :)            !! (n_lead, 3) W
-      real(wp), allocatable :: d(:, :)            !! (n_lead, 3) displacement: what joints read, so that
-                                                  !! a scene may lie far away
+      !> (n_lead, 3) displacement: what joints read, so that a scene may lie far away
+      real(wp), allocatable :: d(:, :)
       real(wp), allocatable :: quat(:, :)         !! (n_lead, 4) attitude: world from body axes
       real(wp), allocatable :: v(:, :), w(:, :)   !! (n_lead, 3) velocities; predicted in pass 2
       !> (n_lead, 3) turn in the last step, rotation vector
@@ -35,8 +35,7 @@ module kj_c_force
 contains
 
    !> Pass 1 for joints lo..hi: coordinates, B, spring forces, spring work, rates with the
-   !> velocities
-   !> of the half step; wrench of the springs and of the dampers as they were
+   !> velocities of the half step; wrench of the springs and of the dampers as they were
    pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves

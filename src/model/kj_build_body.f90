@@ -334,7 +334,7 @@ contains
 
       associate (p => body%principal)
          odd = maxval(p) > 1.0001_wp*(sum(p) - maxval(p))
-         if (body%mass > 1.0e-30_wp .and. minval(p) > 0.0_wp .and. .not. (changed .or. odd)) return
+         if (body%mass > 1.0e-19_wp .and. minval(p) > 0.0_wp .and. .not. (changed .or. odd)) return
          call read_cards(deck, block, cards, again)
          if (.not. body%mass > 1.0e-30_wp) then
             call report(deck, cards, 'Mass', SEV_ERROR, 'KJ-0679', 'the rigid body has no mass', &
@@ -344,6 +344,9 @@ contains
                'the smallest principal inertia of the rigid body is not positive', &
                'expected: a positive definite inertia', findings)
             return
+         else if (.not. body%mass > 1.0e-19_wp) then
+            call report(deck, cards, 'Mass', SEV_WARNING, 'KJ-9157', &
+               'the rigid body has no mass: 1e-20 is taken, as in Radioss', 'no mass', findings)
          end if
          if (changed) call report(deck, cards, 'Jxx', SEV_WARNING, 'KJ-0275', &
             'a principal inertia is under a thousandth of the largest: a tenth of it was added', &

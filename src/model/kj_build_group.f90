@@ -20,6 +20,7 @@ module kj_build_group
    !> What groups are made of
    type :: workshop_t
       integer, allocatable :: state(:)           !! of each group
+      logical, allocatable :: spoilt(:)          !! something was wrong with it, or with one in it
       type(box_set_t) :: boxes
    end type workshop_t
 
@@ -44,6 +45,7 @@ contains
       call block_lookup(deck, groups, draft%group)
       call build_boxes(deck, draft, shop%boxes, findings)
       allocate (draft%groups(size(groups)), shop%state(size(groups)))
+      allocate (shop%spoilt(size(groups)), source=.false.)
       shop%state = WAITING
       draft%groups%block = groups
       do i = 1, size(groups)
@@ -68,29 +70,33 @@ contains
 
       type(node_list_t) :: list
       type(ids_t) :: ids
+      integer :: n_error
 
       if (shop%state(i) /= WAITING) return
       shop%state(i) = UNDER_WAY
+      n_error = findings%n_error
       associate (block => draft%groups(i)%block)
          if (deck%block(block)%keyword == KW_SET_GENERAL) then
-            call fill_set(deck, draft, shop, block, list, findings)
+            call fill_set(deck, draft, shop, i, list, findings)
          else
             call read_ids(deck, block, ids, findings)
-            call fill_kind(deck, draft, shop, deck%block(block)%keyword, ids, 1, ids%n, list, &
+            call fill_kind(deck, draft, shop, i, deck%block(block)%keyword, ids, 1, ids%n, list, &
                findings)
          end if
          call finish_list(draft, list, draft%groups(i)%node)
-         if (size(draft%groups(i)%node) == 0) call report_header(deck, block, SEV_WARNING, &
-            'KJ-0690', 'the node group is empty', 'no node', findings)
+         if (findings%n_error > n_error) shop%spoilt(i) = .true.
+         if (size(draft%groups(i)%node) == 0 .and. .not. shop%spoilt(i)) call report_header(deck, &
+            block, SEV_WARNING, 'KJ-0690', 'the node group is empty', 'no node', findings)
       end associate
       shop%state(i) = DONE
    end subroutine fill_group
 
    !> Nodes that the ids from to to stand for, as they would in a /GRNOD of this kind
-   recursive subroutine fill_kind(deck, draft, shop, kind, ids, from, to, list, findings)
+   recursive subroutine fill_kind(deck, draft, shop, i, kind, ids, from, to, list, findings)
       type(deck_t), intent(in) :: deck
       type(draft_t), intent(inout) :: draft
       type(workshop_t), intent(inout) :: shop
+      integer, intent(in) :: i                   !! group under way
       integer, intent(in) :: kind                !! KW_GRNOD_ constant
       type(ids_t), intent(in) :: ids
       integer, intent(in) :: from, to
@@ -128,7 +134,7 @@ contains
             call take_box(deck, draft, shop%boxes, ids, k, list, findings)
          end do
       case default   ! KW_GRNOD_GRNOD: what is to be removed is removed in the end
-         call take_groups(deck, draft, shop, ids, from, to, list, findings)
+         call take_groups(deck, draft, shop, i, ids, from, to, list, findings)
       end select
    end subroutine fill_kind
 
@@ -194,10 +200,11 @@ contains
    end subroutine take_box
 
    !> Nodes of other groups; a negative id removes those of its group
-   recursive subroutine take_groups(deck, draft, shop, ids, from, to, list, findings)
+   recursive subroutine take_groups(deck, draft, shop, group, ids, from, to, list, findings)
       type(deck_t), intent(in) :: deck
       type(draft_t), intent(inout) :: draft
       type(workshop_t), intent(inout) :: shop
+      integer, intent(in) :: group               !! group under way
       type(ids_t), intent(in) :: ids
       integer, intent(in) :: from, to
       type(node_list_t), intent(inout) :: list
@@ -222,6 +229,7 @@ contains
                cycle
             end if
             call fill_group(deck, draft, shop, other, findings)
+            shop%spoilt(group) = shop%spoilt(group) .or. shop%spoilt(other)
             if (sign > 0) call add_nodes(draft%groups(other)%node, list)
             if (sign < 0) call remove_nodes(draft, draft%groups(other)%node, list)
          end do
@@ -229,18 +237,18 @@ contains
    end subroutine take_groups
 
    !> Nodes of a /SET/GENERAL: NODE, PART, SPRING, BOX and SET, with _G for ranges of ids
-   recursive subroutine fill_set(deck, draft, shop, block, list, findings)
+   recursive subroutine fill_set(deck, draft, shop, group, list, findings)
       type(deck_t), intent(in) :: deck
       type(draft_t), intent(inout) :: draft
       type(workshop_t), intent(inout) :: shop
-      integer, intent(in) :: block
+      integer, intent(in) :: group
       type(node_list_t), intent(inout) :: list
       type(finding_list_t), intent(inout) :: findings
 
       type(clauses_t) :: clauses
       integer :: i, k, kind
 
-      call read_clauses(deck, block, clauses, findings)
+      call read_clauses(deck, draft%groups(group)%block, clauses, findings)
       do i = 1, clauses%n
          associate (ids => clauses%ids, from => clauses%from(i), to => clauses%to(i))
             select case (clauses%word(i))
@@ -264,7 +272,7 @@ contains
                   SEV_ERROR, 'KJ-9138', 'clauses that remove are not supported', &
                   'expected: a positive id', findings)
             end do
-            call fill_kind(deck, draft, shop, kind, ids, from, to, list, findings)
+            call fill_kind(deck, draft, shop, group, kind, ids, from, to, list, findings)
          end associate
       end do
    end subroutine fill_set

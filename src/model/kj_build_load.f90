@@ -316,12 +316,14 @@ contains
          motion%t_stop = min(motion%t_stop, load%t_stop)
       end if
       if (kind == IMPOSE_ACCELERATION) return
-      if (int_of(cards, 'frame_id') /= 0) call report(deck, cards, 'frame_id', SEV_ERROR, &
-         'KJ-9125', &
-         'imposed motion in a frame is not supported', 'expected: 0', findings)
-      if (int_of(cards, 'frame_id') /= 0 .and. load%skew /= 0) call report(deck, cards, &
-         'frame_id', SEV_ERROR, &
-         'KJ-0491', 'a skew and a frame are given together', 'expected: 0', findings)
+      if (int_of(cards, 'frame_id') == 0) return
+      if (int_of(cards, 'skew_id') /= 0) then
+         call report(deck, cards, 'frame_id', SEV_ERROR, 'KJ-0491', &
+            'a skew and a frame are given together', 'expected: 0', findings)
+      else
+         call report(deck, cards, 'frame_id', SEV_ERROR, 'KJ-9125', &
+            'imposed motion in a frame is not supported', 'expected: 0', findings)
+      end if
    end subroutine read_motion
 
 end module kj_build_load

@@ -200,6 +200,7 @@ contains
       integer, allocatable :: blocks(:)
       real(wp) :: scale(2)
       integer :: i, place, first, last
+      logical :: rises
 
       blocks = blocks_of(deck, KW_MOVE_FUNCT)
       do i = 1, size(blocks)
@@ -216,13 +217,14 @@ contains
          first = draft%curves%first(place)
          last = draft%curves%first(place + 1) - 1
          associate (x => draft%curves%x(first:last), y => draft%curves%y(first:last))
+            rises = all(x(2:) > x(:size(x) - 1))
             x = x*scale(1) + real_of(cards, 'Ashift_x')
             y = y*scale(2) + real_of(cards, 'Fshift_y')
             if (scale(1) < 0.0_wp) then
                x = x(size(x):1:-1)
                y = y(size(y):1:-1)
             end if
-            if (any(.not. x(2:) > x(:size(x) - 1))) call report(deck, cards, 'Ascale_x', &
+            if (rises .and. any(.not. x(2:) > x(:size(x) - 1))) call report(deck, cards, 'Ascale_x', &
                SEV_ERROR, &
                'KJ-9146', 'the function has equal abscissae after the move', &
                'scale or shift too extreme', findings)

@@ -5,16 +5,18 @@ program accuracy_main
    use accuracy_ledger, only: check_ledger, check_momentum, check_cycles
    use accuracy_extremes, only: check_masses, check_stiffnesses, check_lengths, check_far, check_coincident, &
       check_opposite, check_turns, check_falling, check_weightless
+   use accuracy_bodies, only: check_free, check_top
+   use accuracy_limits, only: check_limit, check_four_bar
    implicit none
 
    type(check_t) :: check
-   character(len=40) :: name, text
+   character(len=200) :: name, text, case
    integer :: number
 
    call get_command_argument(1, name)
    call get_command_argument(2, text)
    number = 0
-   if (len_trim(text) > 0) read (text, '(i10)') number
+   if (verify(trim(text), '0123456789') == 0) read (text, '(i10)') number
    select case (name)
    case ('order')
       call check_order(check, number)
@@ -42,6 +44,15 @@ program accuracy_main
       call check_falling(check)
    case ('weightless')
       call check_weightless(check)
+   case ('free')
+      call check_free(check, number)
+   case ('top')
+      call check_top(check, trim(text))
+   case ('limit')
+      call get_command_argument(3, case)
+      call check_limit(check, trim(text), trim(case))
+   case ('four_bar')
+      call check_four_bar(check, number)
    case default
       call say('there is no test '//name)
    end select
