@@ -32,6 +32,8 @@ module kjoint
       real(wp) :: until = -1.0_wp            !! end of the run, time; negative: /RUN
       real(wp) :: sample = -1.0_wp           !! sample interval, time; negative: /TFILE
       real(wp) :: dt_scale = 0.0_wp          !! factor on the critical step; 0: that of the deck
+      real(wp) :: dt_max_scale = 1.0_wp      !! factor on the steps of /DTIX
+      real(wp) :: kn_scale = 1.0_wp          !! factor on the stiffness of blocked directions
       !> largest energy error in percent; negative: 15, off under legacy
       real(wp) :: energy_limit = -1.0_wp
       logical :: ignore_unsupported = .false.   !! unsupported keywords become warnings

@@ -3,7 +3,7 @@ submodule (kjoint) kjoint_check
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_curve, only: curve_set_t, law_value
-   use kj_c_build, only: build_c_model, new_c_state
+   use kj_c_blocking, only: start_scene
    use kj_c_bound, only: bound_t, new_bound, nodal_bound, exact_bound
    implicit none
 
@@ -119,10 +119,11 @@ contains
       type(c_model_t) :: c
       type(c_state_t) :: state
       type(bound_t) :: bound
+      type(error_t), allocatable :: error
 
       report%factor = model%control%dt_factor
-      call build_c_model(model, c)
-      call new_c_state(model, c, state)
+      ! a stiffness that nothing tells yet is left 0
+      call start_scene(model, .false., c, state, error)
       call new_bound(model, c, .false., state, bound)
       report%safe_step = bound%h
       call nodal_bound(model, c, state, report%nodal_step)

@@ -4,8 +4,10 @@ submodule (kjoint) kjoint_impl
    use kj_deck, only: read_deck
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
+   use kj_kn_scale, only: scale_blocking
    use kj_legacy_check, only: warn_legacy
    use kj_joint_types, only: joint_types
+   use kj_joint_stop, only: has_friction
    use kj_sample, only: new_sampler
    use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
    implicit none
@@ -35,6 +37,8 @@ contains
          if (options%until > 0.0_wp) c%t_stop = options%until
          if (options%sample >= 0.0_wp) c%sample = options%sample
          if (options%dt_scale > 0.0_wp) c%dt_factor = options%dt_scale
+         c%dt_ini = options%dt_max_scale*c%dt_ini
+         c%dt_max = options%dt_max_scale*c%dt_max
          if (.not. c%t_stop >= 0.0_wp) call fail(error, ERR_INPUT, 'the end time is negative')
          if (.not. sim%legacy .and. (c%below_min == SCALE_MASS .or. &
             c%below_min == SCALE_MASS_NEXT)) &
@@ -42,14 +46,15 @@ contains
                '/DT/NODA/CST adds mass: only the legacy formulation does that')
       end associate
       if (allocated(error)) return
+      if (abs(options%kn_scale - 1.0_wp) > 0.0_wp) call scale_blocking(sim%model, options%kn_scale)
       if (sim%legacy) call warn_legacy(sim%model, findings)
-      if (.not. sim%legacy) call refuse_limits(sim%model, error)
+      if (options%integrator == 'rkmk4') call refuse_path(sim%model, error)
       if (allocated(error)) return
       call describe(sim)
    end procedure load_simulation
 
-   !> What only the legacy formulation has of KJOINT2
-   subroutine refuse_limits(model, error)
+   !> Friction and locks hold a state that only whole steps may change: rkmk4 evaluates between them
+   subroutine refuse_path(model, error)
       type(model_t), intent(in) :: model
       type(error_t), allocatable, intent(out) :: error
 
@@ -57,14 +62,17 @@ contains
 
       do j = 1, model%n_joint
          associate (batch => model%batch(model%joint(j)%batch), place => model%joint(j)%place)
-            if (.not. batch%limited .and. all(abs(batch%angle0(place, :)) <= 0.0_wp)) cycle
+            if (.not. batch%limited) cycle
+            associate (l => batch%limit)
+               if (.not. (l%t_lock(place) < huge(1.0_wp) .or. any(has_friction(l%k(place, :), &
+                  l%slip(place, :), l%slip_curve(place, :))))) cycle
+            end associate
             call fail(error, ERR_INPUT, 'joint '//str(model%joint(j)%id)// &
-               ' has stops, friction, a '// &
-               'lock, automatic stiffness or first angles: so far only --legacy runs these')
+               ' has friction or a lock: these do not go with the integrator rkmk4')
             return
          end associate
       end do
-   end subroutine refuse_limits
+   end subroutine refuse_path
 
    !> Formulation, integrator and time-step rule must go together
    subroutine check_options(sim, error)

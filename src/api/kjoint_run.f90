@@ -8,7 +8,7 @@ submodule (kjoint) kjoint_run
    use kj_step, only: find_accelerations, advance
    use kj_energy, only: balance_t, balance_of
    use kj_sample, only: sample_row
-   use kj_c_build, only: build_c_model, new_c_state
+   use kj_c_blocking, only: start_scene
    use kj_c_advance, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, RKMK4
    use kj_c_publish, only: publish
    implicit none
@@ -103,7 +103,8 @@ contains
 
       stop = .false.
       sample = 0
-      call start_consistent(sim)
+      call start_consistent(sim, error)
+      if (allocated(error)) return
       call add_row(sim, sink, .false., clock, status, error)
       associate (cs => sim%c_state, control => sim%model%control)
          do while (cs%time < control%t_stop .and. .not. allocated(error))
@@ -132,11 +133,13 @@ contains
    end subroutine run_consistent
 
    !> Constants, first state, limits and ledger of the consistent formulation
-   subroutine start_consistent(sim)
+   subroutine start_consistent(sim, error)
       type(simulation_t), intent(inout) :: sim
+      type(error_t), allocatable, intent(out) :: error
 
-      call build_c_model(sim%model, sim%c_model)
-      call new_c_state(sim%model, sim%c_model, sim%c_state)
+      call start_scene(sim%model, sim%options%integrator == 'rkmk4', sim%c_model, sim%c_state, &
+         error)
+      if (allocated(error)) return
       sim%march%integrator = SPLIT2
       if (sim%options%integrator == 'liemid') sim%march%integrator = LIEMID
       if (sim%options%integrator == 'rkmk4') sim%march%integrator = RKMK4

@@ -56,6 +56,9 @@ module kj_message_starter2
    message_t('KJ-0845', SEV_ERROR, 'a moment on nodes without rotation', &
       'The nodes of the load have no rotational direction.', &
       'Put the moment on a node of a rigid body.'), &
+   message_t('KJ-0871', SEV_ERROR, 'the node of an added mass does not exist', &
+      'A card of /ADMAS/5 names a node that no /NODE defines.', &
+      'Define the node, or correct the id in columns 21 to 30.'), &
    message_t('KJ-0900', SEV_ERROR, 'a frame on a node needs its node', &
       'A /FRAME/NOD has no node n1.', &
       'Name the node.'), &

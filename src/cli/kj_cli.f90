@@ -4,13 +4,14 @@ module kj_cli
    use kj_version, only: KJOINT_VERSION
    use kj_info, only: describe_history
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
-      CMD_CONVERT, CMD_INFO, CMD_LIST, CMD_HELP, CMD_VERSION
+      CMD_CONVERT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_HELP, CMD_VERSION
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
    use kj_help, only: print_help, print_help_on
    use kj_run_command, only: run_command
    use kj_check_command, only: check_command
+   use kj_study_command, only: study_command
    use kj_diff_command, only: diff_command, convert_command
    implicit none
    private
@@ -37,6 +38,8 @@ contains
             call run_command(args, command_line(words), code)
          case (CMD_CHECK)
             call check_command(args, code)
+         case (CMD_STUDY)
+            call study_command(args, code)
          case (CMD_DIFF)
             call diff_command(args, code, error)
          case (CMD_CONVERT)

@@ -11,8 +11,8 @@ module kj_option
    public :: command_t, option_t, word_t, arguments_t, parse_arguments, option_real
    public :: has_option, did_you_mean
 
-   integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_DIFF = 3, CMD_CONVERT = 4, &
-      CMD_INFO = 5, CMD_LIST = 6, CMD_HELP = 7, CMD_VERSION = 8
+   integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
+      CMD_CONVERT = 5, CMD_INFO = 6, CMD_LIST = 7, CMD_HELP = 8, CMD_VERSION = 9
 
    !> One command of the program
    type :: command_t
@@ -29,6 +29,8 @@ module kj_option
                 'advance a Radioss deck in time and write its history'), &
       command_t(CMD_CHECK,   'check',     'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
                 'read and check a deck, and say what its scene is like'), &
+      command_t(CMD_STUDY,   'study',     'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
+                'run a deck in many settings: what accuracy costs, which to take'), &
       command_t(CMD_DIFF,    'diff',      'REF RUN',                            2, 2, &
                 'compare two histories, each a kjoint .h5 or a Radioss T01'), &
       command_t(CMD_CONVERT, 'convert',   'T01',                                1, 1, &
@@ -46,7 +48,8 @@ module kj_option
       OPT_FORMULATION = 4, OPT_INTEGRATOR = 5, OPT_DT_RULE = 6, OPT_DT_SCALE = 7, &
       OPT_UNTIL = 8, OPT_SAMPLE = 9, OPT_ENERGY_LIMIT = 10, OPT_IGNORE = 11, &
       OPT_REPRODUCIBLE = 12, OPT_QUIET = 13, OPT_VERBOSE = 14, OPT_JSON = 15, OPT_PROFILE = 16, &
-      OPT_RTOL = 17, OPT_INTERP = 18, OPT_WINDOW = 19, OPT_METRICS = 20, OPT_JUNIT = 21
+      OPT_RTOL = 17, OPT_INTERP = 18, OPT_WINDOW = 19, OPT_METRICS = 20, OPT_JUNIT = 21, &
+      OPT_KN_SCALE = 22, OPT_ERROR = 23, OPT_SCALES = 24, OPT_STIFFNESS = 25, OPT_THREADS = 26
 
    !> One option of one command or more
    type :: option_t
@@ -60,9 +63,9 @@ module kj_option
 
    type(option_t), parameter, public :: options(*) = [ &
       !        id                short name                   value     commands
-      option_t(OPT_OUTPUT,       '-o', '--output',            'RUN.h5', 'run convert', &
-               'history to write; default: the name of the deck or T01, here'), &
-      option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check', &
+      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert study', &
+               'history (study: table) to write; default: as the deck or T01, here'), &
+      option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check study', &
                'the starter deck, as Radioss users type it'), &
       option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run check', &
                'the scheme of Radioss, cycle by cycle: legacy, legacy, nodal'), &
@@ -74,21 +77,21 @@ module kj_option
                'critical time step: safe (default), or nodal as Radioss has it'), &
       option_t(OPT_DT_SCALE,     '',   '--dt-scale',          'S',      'run check', &
                'fraction of the critical time step; default: that of /DT, or 0.9'), &
-      option_t(OPT_UNTIL,        '',   '--until',             'T',      'run check', &
+      option_t(OPT_UNTIL,        '',   '--until',             'T',      'run check study', &
                'end of the run, instead of that of the engine deck'), &
-      option_t(OPT_SAMPLE,       '',   '--sample',            'DT',     'run check', &
+      option_t(OPT_SAMPLE,       '',   '--sample',            'DT',     'run check study', &
                'interval of the samples, instead of /TFILE; 0: every cycle'), &
       option_t(OPT_ENERGY_LIMIT, '',   '--energy-limit',      'PCT',    'run', &
                'stop with exit code 1 beyond this error; default 15, legacy: none'), &
-      option_t(OPT_IGNORE,       '',   '--ignore-unsupported', '',      'run check', &
+      option_t(OPT_IGNORE,       '',   '--ignore-unsupported', '',      'run check study', &
                'warn about keywords out of scope instead of stopping'), &
       option_t(OPT_REPRODUCIBLE, '',   '--reproducible',      '',       'run', &
                'no dates or host in the history: equal runs are equal bytes'), &
-      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check', &
+      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study', &
                'errors and warnings only'), &
       option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check', &
                'notes with their cards, a listing line every /PRINT cycles'), &
-      option_t(OPT_JSON,         '',   '--json',              '',       'run check diff', &
+      option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff', &
                'findings and summary as one JSON object on stdout'), &
       option_t(OPT_PROFILE,      '',   '--profile',           'NAME',   'diff', &
                'exact, repeat 1e-12, platform 1e-9, parity 1e-7 or solver 1e-2'), &
@@ -101,7 +104,17 @@ module kj_option
       option_t(OPT_METRICS,      '',   '--metrics',           'LIST',   'diff', &
                'of max,nrmse,pearson,sprague-geers,iso18571: print these too'), &
       option_t(OPT_JUNIT,        '',   '--junit',             'FILE',   'diff', &
-               'write the verdict of each channel as JUnit XML')]
+               'write the verdict of each channel as JUnit XML'), &
+      option_t(OPT_KN_SCALE,     '',   '--kn-scale',          'F',      'run', &
+               'factor on the stiffness of the blocked directions of all joints'), &
+      option_t(OPT_ERROR,        '',   '--error',             'E',      'study', &
+               'wanted error of positions and rotations, of their peaks; default 1e-3'), &
+      option_t(OPT_SCALES,       '',   '--scales',            'LIST',   'study', &
+               'of --dt-scale to try, longest first; default 0.9,0.45,0.225,0.1125'), &
+      option_t(OPT_STIFFNESS,    '',   '--stiffness',         'LIST',   'study', &
+               'of --kn-scale to try beside 1; default 0.1,0.01'), &
+      option_t(OPT_THREADS,      '',   '--threads',           'N',      'study', &
+               'runs at a time; default: OMP_NUM_THREADS, else 1')]
 
    !> A word of the command line
    type :: word_t

@@ -5,6 +5,7 @@ module kj_run_command
    use kj_system, only: wall_clock
    use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_LEGACY, OPT_FORMULATION, &
       OPT_INTEGRATOR, OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, OPT_DT_SCALE, OPT_ENERGY_LIMIT, &
+      OPT_KN_SCALE, &
       OPT_IGNORE, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
@@ -122,6 +123,8 @@ contains
          call option_real(args, OPT_DT_SCALE, tiny(1.0_wp), options%dt_scale, error)
       if (.not. allocated(error)) &
          call option_real(args, OPT_ENERGY_LIMIT, 0.0_wp, options%energy_limit, error)
+      if (.not. allocated(error)) &
+         call option_real(args, OPT_KN_SCALE, tiny(1.0_wp), options%kn_scale, error)
    end subroutine take_options
 
    !> The run itself

@@ -6,7 +6,7 @@ module kj_terminal
    private
 
    public :: print_line, print_text, print_error, print_status, is_terminal, may_colour, &
-      may_overwrite, quit
+      may_overwrite, environment, quit
 
    integer, parameter, public :: STDOUT = 1, STDERR = 2    !! streams
    character, parameter, public :: ESC = achar(27)

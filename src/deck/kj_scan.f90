@@ -218,8 +218,8 @@ contains
       if (index(name, '/') == 1) path = name
       do i = 1, scan%depth
          if (deck%source(scan%open(i))%path /= path) cycle
-         call add_file_finding('KJ-9033', 'the file includes itself', deck%source(s)%path, number, &
-            text, n - len(name) + 1, n, findings)
+         call add_at(findings, SEV_ERROR, 'KJ-9033', deck%source(s)%path, number, text, &
+            n - len(name) + 1, n, 'the file includes itself', 'this file')
          return
       end do
       problem = ''

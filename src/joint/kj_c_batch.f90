@@ -2,11 +2,11 @@
 module kj_c_batch
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF, FRAME_FIRST, FRAME_CROSS
-   use kj_joint_batch, only: joint_batch_t
+   use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE
    implicit none
    private
 
-   public :: c_batch_t, c_joint_t, new_c_joint, chart_of
+   public :: c_batch_t, c_joint_t, new_c_joint, new_c_limits, chart_of
 
    !> Coordinates of the rotations
    integer, parameter, public :: CHART_TWIST = 1      !! at most one free rotation
@@ -34,6 +34,11 @@ module kj_c_batch
       !> (n, 6) stiffness and damping, or scale of the curve
       real(wp), allocatable :: k(:, :), c(:, :)
       integer, allocatable :: k_curve(:, :), c_curve(:, :)   !! (n, 6)
+      logical :: shifted = .false.               !! some angle does not start at 0
+      real(wp), allocatable :: shift(:, :)       !! (n, 3) angles at the start [rad]
+      logical :: limited = .false.               !! has what follows, and c_joint_t its part
+      type(limits_t) :: limit
+      real(wp), allocatable :: inertia(:, :)     !! (n, 6) effective mass or inertia of each dof
    end type c_batch_t
 
    !> State
@@ -51,6 +56,15 @@ module kj_c_batch
       !> (n, 6) rates with the velocities of the half step
       real(wp), allocatable :: qd(:, :)
       real(wp), allocatable :: ortho(:)          !! (n) e2.e3 of a universal frame
+      ! of limited batches only
+      real(wp), allocatable :: friction(:, :)    !! (n, 6) friction on node 1, part of fe
+      real(wp), allocatable :: grip(:, :)        !! (n, 6) limit of friction, now; 0 = none
+      real(wp), allocatable :: c_limit(:, :)     !! (n, 6) damping of stuck friction and lock, now
+      real(wp), allocatable :: slip_energy(:)    !! (n) energy that sliding took
+      real(wp), allocatable :: stored(:)         !! (n) energy in stops, stuck friction and lock
+      logical, allocatable :: locked(:)          !! (n) has been locked
+      real(wp), allocatable :: q_lock(:, :)      !! (n, 6) coordinates held by the lock
+      integer, allocatable :: flag(:, :)         !! (n, 6) DOF_ constant
    end type c_joint_t
 
 contains
@@ -74,5 +88,16 @@ contains
          joint%e(n, 9), joint%dir(n, 9), joint%m1(n, 9), joint%m2(n, 9), joint%rot(n, 9), &
          joint%qd(n, 6), joint%ortho(n), source=0.0_wp)
    end subroutine new_c_joint
+
+   !> State of the limits of n joints, all at rest
+   pure subroutine new_c_limits(n, joint)
+      integer, intent(in) :: n
+      type(c_joint_t), intent(inout) :: joint
+
+      allocate (joint%friction(n, 6), joint%grip(n, 6), joint%c_limit(n, 6), &
+         joint%slip_energy(n), joint%stored(n), joint%q_lock(n, 6), source=0.0_wp)
+      allocate (joint%locked(n), source=.false.)
+      allocate (joint%flag(n, 6), source=DOF_FREE)
+   end subroutine new_c_limits
 
 end module kj_c_batch

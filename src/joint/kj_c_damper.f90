@@ -47,6 +47,10 @@ contains
          call rates(batch, poses, from, n, dir, m1, m2, rot, rate)
          do k = 1, NDOF
             call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
+            if (batch%limited) then
+               c(:n, k) = c(:n, k) + joint%c_limit(from:to, k)
+               f(:n, k) = f(:n, k) + joint%c_limit(from:to, k)*rate(:n, k)
+            end if
             f(:n, k) = f(:n, k) - joint%fd(from:to, k)
          end do
          if (h > 0.0_wp) then

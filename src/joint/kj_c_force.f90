@@ -9,6 +9,7 @@ module kj_c_force
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR
+   use kj_c_limit, only: add_limits
    use kj_c_chart, only: relative_pose, twist_chart, vector_chart, universal_chart, first_skew
    implicit none
    private
@@ -20,6 +21,8 @@ module kj_c_force
 
    !> What joints see of the leads, joint-independent arrays
    type :: poses_t
+      real(wp) :: time = 0.0_wp
+      real(wp) :: h = 0.0_wp                      !! step that led here, 0 = none
       real(wp), allocatable :: x(:, :)            !! (n_lead, 3) W
       !> (n_lead, 3) displacement: what joints read, so that a scene may lie far away
       real(wp), allocatable :: d(:, :)
@@ -45,7 +48,7 @@ contains
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_C_WRENCH, all joints)
 
       real(wp), dimension(BLOCK, 9) :: e, dir, m1, m2, rot, rot_d
-      real(wp) :: q(BLOCK, 6), f(BLOCK, 6), ortho(BLOCK), change
+      real(wp) :: q(BLOCK, 6), f(BLOCK, 6), ortho(BLOCK), lost(BLOCK), change
       integer :: from, to, n, i, k
 
       do from = lo, hi, BLOCK
@@ -53,14 +56,18 @@ contains
          n = to - from + 1
          q(:n, :) = joint%q(from:to, :)
          call coordinates(batch, poses, from, n, q, e, dir, m1, m2, rot, rot_d, ortho)
+         call laws(batch, curves, poses, from, n, q, joint, f, lost)
          do k = 1, NDOF
-            call spring(batch, curves, from, n, k, q(:, k), f(:, k))
             do i = 1, n
                change = q(i, k) - joint%q(from + i - 1, k)
                joint%elastic(from + i - 1) = joint%elastic(from + i - 1) + &
                   0.5_wp*change*(f(i, k) + joint%fe(from + i - 1, k))
             end do
          end do
+         if (batch%limited) then
+            joint%elastic(from:to) = joint%elastic(from:to) - lost(:n)
+            joint%dissipated(from:to) = joint%dissipated(from:to) + lost(:n)
+         end if
          joint%q(from:to, :) = q(:n, :)
          joint%fe(from:to, :) = f(:n, :)
          joint%e(from:to, :) = e(:n, :)
@@ -77,6 +84,39 @@ contains
          call put_wrench(n, .true., f, dir, m1, m2, rot_d, wrench(:, batch%first + from:))
       end do
    end subroutine add_springs
+
+   !> Forces of springs and limits; joint holds the coordinates of the last step
+   pure subroutine laws(batch, curves, poses, from, n, q, joint, f, lost)
+      type(c_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: q(BLOCK, 6)
+      type(c_joint_t), intent(inout) :: joint
+      real(wp), intent(out) :: f(BLOCK, 6), lost(BLOCK)
+
+      real(wp) :: now(BLOCK, 6), before(BLOCK, 6)
+      integer :: k, to
+
+      if (.not. (batch%shifted .or. batch%limited)) then
+         do k = 1, NDOF
+            call spring(batch, curves, from, n, k, q(:, k), f(:, k))
+         end do
+         return
+      end if
+      to = from + n - 1
+      now(:n, :) = q(:n, :)
+      before(:n, :) = joint%q(from:to, :)
+      if (batch%shifted) then
+         now(:n, 4:6) = now(:n, 4:6) + batch%shift(from:to, :)
+         before(:n, 4:6) = before(:n, 4:6) + batch%shift(from:to, :)
+      end if
+      do k = 1, NDOF
+         call spring(batch, curves, from, n, k, now(:, k), f(:, k))
+      end do
+      if (batch%limited) call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, &
+         joint, f, lost)
+   end subroutine laws
 
    !> Coordinates and B of a block; q holds the last coordinates on entry
    pure subroutine coordinates(batch, poses, from, n, q, e, dir, m1, m2, rot, rot_d, ortho)

@@ -37,7 +37,7 @@ contains
 
       type(cards_t) :: cards
       type(crew_t), allocatable :: crew(:)
-      integer :: b, n
+      integer :: b, n, n_error
 
       draft%body_block = blocks_of(deck, KW_RBODY)
       call report_double_blocks(deck, draft%body_block, 'rigid body', findings)
@@ -47,7 +47,9 @@ contains
       allocate (crew(n))
       crew%block = draft%body_block
       do b = 1, n
+         n_error = findings%n_error
          call read_cards(deck, crew(b)%block, cards, findings)
+         crew(b)%weighed = findings%n_error == n_error
          call collect_crew(deck, cards, b, draft, crew(b), findings)
          call read_body(deck, cards, draft, crew(b), findings)
       end do
@@ -148,7 +150,7 @@ contains
          input%j(2, :) = [real_of(cards, 'Jxy'), real_of(cards, 'Jyy'), real_of(cards, 'Jyz')]
          input%j(3, :) = [real_of(cards, 'Jxz'), real_of(cards, 'Jyz'), real_of(cards, 'Jzz')]
          skew = reference(deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137', findings)
-         crew%weighed = crew%main > 0
+         if (crew%main == 0) crew%weighed = .false.
          if (crew%main == 0) return
          input%x = draft%x(crew%main, :)
          input%mass = input%mass + draft%mass(crew%main)

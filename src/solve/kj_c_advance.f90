@@ -10,6 +10,7 @@ module kj_c_advance
    use kj_c_body, only: spin_velocity
    use kj_c_hold, only: held_force
    use kj_c_bound, only: bound_t, new_bound, renew_bound, nodal_bound, has_moved
+   use kj_c_contact, only: contact_t, watch_stops
    use kj_c_step, only: c_step, field_at
    use kj_c_rkmk, only: rkmk_step
    implicit none
@@ -36,6 +37,7 @@ module kj_c_advance
       logical :: starting = .false.              !! limit is still the shorter one
       integer :: joint = 0                       !! who holds it, index among all joints
       type(bound_t) :: bound
+      type(contact_t) :: contact                 !! stops that are met
    end type march_t
 
 contains
@@ -85,13 +87,15 @@ contains
       type(c_state_t), intent(inout) :: state
       logical, intent(out) :: arrived
 
-      real(wp) :: h
+      real(wp) :: h, contact_h
+      logical :: renew
       integer :: i, left
 
       arrived = .true.
       if (.not. t_end > state%time) return
       arrived = .false.
-      left = needed_steps(t_end - state%time, self%limit)
+      call watch_stops(c, state, self%limit, LOOK, self%contact)
+      left = needed_steps(t_end - state%time, min(self%limit, self%contact%h))
       h = (t_end - state%time)/left
       call change_step(model, c, h, state)
       do i = 1, steps
@@ -107,11 +111,14 @@ contains
             exit
          end if
          if (modulo(i, LOOK) > 0) cycle
-         if (.not. (has_moved(c, state, self%bound) .or. &
-            (self%starting .and. state%time >= self%start_end))) cycle
-         call renew_bound(c, state, self%bound)
-         call take_limit(model, c, state, self)
-         left = needed_steps(t_end - state%time, self%limit)
+         renew = has_moved(c, state, self%bound) .or. &
+            (self%starting .and. state%time >= self%start_end)
+         contact_h = self%contact%h
+         call watch_stops(c, state, self%limit, LOOK, self%contact)
+         if (.not. renew .and. abs(self%contact%h - contact_h) <= 0.0_wp) cycle
+         if (renew) call renew_bound(c, state, self%bound)
+         if (renew) call take_limit(model, c, state, self)
+         left = needed_steps(t_end - state%time, min(self%limit, self%contact%h))
          h = (t_end - state%time)/left
          call change_step(model, c, h, state)
       end do
@@ -133,8 +140,8 @@ contains
       do b = 1, size(c%batch)
          if (c%batch(b)%chart /= CHART_VECTOR) cycle
          do i = 1, c%batch(b)%n
-            if (c%batch(b)%plain(i) .and. all(iand(c%batch(b)%law(4:6), LAW_SPRING + &
-               LAW_SPRING_CURVE) == 0)) cycle
+            if (c%batch(b)%plain(i) .and. .not. c%batch(b)%limited .and. &
+               all(iand(c%batch(b)%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) == 0)) cycle
             joint = c%batch(b)%first + i
             if (norm2(state%joint(b)%q(i, 4:6)) > NEAR) return
          end do

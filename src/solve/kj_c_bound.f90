@@ -11,15 +11,17 @@ module kj_c_bound
    use kj_lapack, only: largest_eigenvalue
    use kj_joint_batch, only: joint_state_t, new_joint_state, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_joint_force, only: start_stiffness
+   use kj_joint_law, only: step_stiffness
    use kj_curve, only: curve_set_t
    use kj_model, only: model_t
    use kj_c_batch, only: c_batch_t, CHART_VECTOR
+   use kj_c_limit, only: limit_stiffness
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_hold, only: body_matrix
    implicit none
    private
 
-   public :: bound_t, new_bound, renew_bound, nodal_bound, exact_bound, has_moved
+   public :: bound_t, new_bound, renew_bound, nodal_bound, exact_bound, has_moved, compliances
 
    !> The safe bound and what it rests on
    type :: bound_t
@@ -60,9 +62,7 @@ contains
       do b = 1, size(c%batch)
          do i = 1, c%batch(b)%n
             j = c%batch(b)%first + i
-            bound%k(:, j) = steepest(model%curves, LAW_SPRING_CURVE, c%batch(b)%law, &
-               c%batch(b)%k(i, :), &
-               c%batch(b)%k_curve(i, :))
+            bound%k(:, j) = largest_stiffness(model%curves, c%batch(b), i)
             if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, c%batch(b)%law, &
                c%batch(b)%c(i, :), c%batch(b)%c_curve(i, :))
             call compliances(c, state, b, i, s)
@@ -215,6 +215,17 @@ contains
       end do
    end subroutine divide
 
+   !> Largest stiffness of each dof of joint i, limits included
+   pure function largest_stiffness(curves, batch, i) result(k)
+      type(curve_set_t), intent(in) :: curves
+      type(c_batch_t), intent(in) :: batch
+      integer, intent(in) :: i
+      real(wp) :: k(6)
+
+      k = steepest(curves, LAW_SPRING_CURVE, batch%law, batch%k(i, :), batch%k_curve(i, :))
+      if (batch%limited) k = k + limit_stiffness(batch, curves, i)
+   end function largest_stiffness
+
    !> Largest stiffness or damping of each dof: that of a curve is its steepest rise anywhere
    pure function steepest(curves, bit, law, value, curve) result(k)
       type(curve_set_t), intent(in) :: curves
@@ -303,7 +314,7 @@ contains
       real(wp), intent(out) :: h
 
       type(joint_state_t) :: legacy
-      real(wp) :: kn(model%n_lead), kr(model%n_lead), st, sr
+      real(wp) :: kn(model%n_lead), kr(model%n_lead), k(6), st, sr
       integer :: b, i, e, lead
 
       kn = 0.0_wp
@@ -312,6 +323,12 @@ contains
          call new_joint_state(model%batch(b), legacy)
          call start_stiffness(model%batch(b), legacy)
          do i = 1, model%batch(b)%n
+            if (c%batch(b)%limited) then
+               k = largest_stiffness(model%curves, c%batch(b), i)
+               call step_stiffness(2, [maxval(k(1:3)), maxval(k(4:6))], &
+                  model%batch(b)%c_top(i, :), [model%batch(b)%cr(i), model%batch(b)%cr(i)], &
+                  model%batch(b)%reduced(i, :), legacy%stiff(i, :))
+            end if
             st = legacy%stiff(i, 1)
             sr = legacy%stiff(i, 2) + st*sum((c%batch(b)%xl0(i, :) + state%joint(b)%q(i, 1:3))**2)
             do e = 1, 2

@@ -6,11 +6,13 @@ module kj_c_build
    use kj_joint_batch, only: joint_batch_t, LAW_DAMPER, LAW_DAMPER_CURVE
    use kj_model, only: model_t, load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
-   use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, CHART_UNIVERSAL, CHART_VECTOR
+   use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, new_c_limits, &
+      CHART_UNIVERSAL, CHART_VECTOR
    use kj_c_force, only: N_C_WRENCH
    use kj_c_state, only: c_model_t, c_state_t, hold_t, row_t
    use kj_c_hold, only: motion_targets, project, WHOLE
    use kj_c_step, only: find_forces
+   use kj_c_build_limit, only: build_limits, direction_inertia, start_energies
    implicit none
    private
 
@@ -265,6 +267,9 @@ contains
                e(:, dof - 3)))
          end do
       end do
+      batch%shift = old%angle0
+      batch%shifted = any(abs(old%angle0) > 0.0_wp)
+      if (old%limited) call build_limits(c, old, batch)
    end subroutine build_batch
 
    !> Components of r on the dual basis of the columns of e
@@ -278,24 +283,6 @@ contains
       x = [dot_product(r, cross(e(:, 2), e(:, 3))), dot_product(r, cross(e(:, 3), e(:, 1))), &
          dot_product(r, cross(e(:, 1), e(:, 2)))]/s
    end function dual_components
-
-   !> Effective inertia 1/(e.J1^-1 e + e.J2^-1 e) of a relative turn about e; 0 where nothing turns
-   pure real(wp) function direction_inertia(c, lead, e) result(m)
-      type(c_model_t), intent(in) :: c
-      integer, intent(in) :: lead(2)
-      real(wp), intent(in) :: e(3)
-
-      real(wp) :: sum_inverse
-      integer :: s
-
-      sum_inverse = 0.0_wp
-      do s = 1, 2
-         sum_inverse = sum_inverse + sum(c%ii(lead(s), :)*matmul(e, &
-            reshape(c%axes0(lead(s), :), [3, 3]))**2)
-      end do
-      m = 0.0_wp
-      if (sum_inverse > 0.0_wp) m = 1.0_wp/sum_inverse
-   end function direction_inertia
 
    !> State at t = 0 with its forces
    subroutine new_c_state(model, c, state)
@@ -327,6 +314,7 @@ contains
       allocate (state%joint(size(c%batch)))
       do b = 1, size(c%batch)
          call new_c_joint(c%batch(b)%n, state%joint(b))
+         if (c%batch(b)%limited) call new_c_limits(c%batch(b)%n, state%joint(b))
       end do
       allocate (state%wrench(N_C_WRENCH, model%n_joint), state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
@@ -339,6 +327,7 @@ contains
       call project(model, c, state, final, active, WHOLE, before)
       state%work = 0.0_wp
       call find_forces(model, c, 0.0_wp, final, active, state)
+      call start_energies(model, c, state)
    end subroutine new_c_state
 
    !> J w of a lead at the start; 0 where it cannot turn

@@ -5,7 +5,8 @@ module kj_c_publish
    use kj_model, only: model_t
    use kj_skew, only: skew_axes
    use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
-   use kj_c_batch, only: CHART_UNIVERSAL
+   use kj_joint_batch, only: joint_state_t
+   use kj_c_batch, only: c_batch_t, c_joint_t, CHART_UNIVERSAL
    use kj_c_force, only: joint_rates
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
@@ -159,6 +160,7 @@ contains
       do b = 1, size(c%batch)
          associate (joint => cs%joint(b), out => state%joint(b))
             out%q = joint%q
+            if (c%batch(b)%limited) call publish_limits(c%batch(b), joint, out)
             out%f = joint%fe + joint%fd
             out%e = joint%e
             out%energy = joint%elastic + joint%dissipated
@@ -167,6 +169,7 @@ contains
                if (c%batch(b)%plain(j)) call show_in_mean_frame(out%e(j, :), out%q(j, :), &
                   out%f(j, 1:3), &
                   out%qdot(j, 1:3))
+               if (c%batch(b)%shifted) out%q(j, 4:6) = out%q(j, 4:6) + c%batch(b)%shift(j, :)
                state%ortho(c%batch(b)%first + j) = 0.0_wp
                if (c%batch(b)%chart == CHART_UNIVERSAL) &
                   state%ortho(c%batch(b)%first + j) = abs(asin(max(-1.0_wp, &
@@ -176,6 +179,21 @@ contains
       end do
       call add_looseness(model, c, cs, state)
    end subroutine publish_joints
+
+   !> What stops, friction and lock do
+   pure subroutine publish_limits(batch, joint, out)
+      type(c_batch_t), intent(in) :: batch
+      type(c_joint_t), intent(in) :: joint
+      type(joint_state_t), intent(inout) :: out
+
+      out%k_block = batch%limit%k_block
+      out%friction = joint%friction
+      out%slip_energy = joint%slip_energy
+      out%stored = joint%stored
+      out%locked = joint%locked
+      out%q_lock = joint%q_lock
+      out%flag = joint%flag
+   end subroutine publish_limits
 
    !> Components of a joint that needs no frame, from the frame of body 1 to the mean frame
    pure subroutine show_in_mean_frame(e, q, f, rate)

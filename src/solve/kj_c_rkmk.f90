@@ -37,7 +37,7 @@ contains
       real(wp) :: x(model%n_lead, 3), d(model%n_lead, 3), quat(model%n_lead, 4), &
          v(model%n_lead, 3), &
          l(model%n_lead, 3), before(6, size(c%hold)), time, work
-      real(wp) :: mean(size(model%motion)), final(size(model%motion))
+      real(wp) :: mean(size(model%motion)), final(size(model%motion)), there(size(model%motion))
       logical :: active(size(model%motion))
       integer :: s
 
@@ -58,8 +58,8 @@ contains
          if (s > 1) then
             call move(model, c, h*NODE(s), x, d, quat, v, l, stage, state)
             state%time = time
-            call hold_stage(model, c, h*NODE(s), before, time, state)
-            call find_forces(model, c, 0.0_wp, final, active, state)
+            call hold_stage(model, c, h*NODE(s), before, time, state, there)
+            call find_forces(model, c, 0.0_wp, there, active, state)
          end if
          call take_rates(model, c, h*WEIGHT(s), h*NODE(s), state, work, stage)
          call add(WEIGHT(s), stage, total)
@@ -126,19 +126,20 @@ contains
    end subroutine move
 
    !> Conditions and drives on the velocities of a stage
-   subroutine hold_stage(model, c, h, before, time, state)
+   subroutine hold_stage(model, c, h, before, time, state, target)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       real(wp), intent(in) :: h                      !! from the start of the step to the stage
       real(wp), intent(in) :: before(:, :), time
       type(c_state_t), intent(inout) :: state
+      real(wp), intent(out) :: target(:)             !! velocities of the drives at the stage
 
-      real(wp) :: mean(size(model%motion)), final(size(model%motion))
+      real(wp) :: mean(size(model%motion))
       logical :: active(size(model%motion))
 
-      call motion_targets(model, state, h, mean, final, active)
+      call motion_targets(model, state, h, mean, target, active)
       state%time = time + h
-      call project(model, c, state, final, active, WHOLE, before)
+      call project(model, c, state, target, active, WHOLE, before)
       state%poses%v = state%v
       call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
    end subroutine hold_stage

@@ -130,6 +130,8 @@ contains
       call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       state%poses%psi = state%poses%psi + 0.5_wp*h*state%poses%w
       call place_nodes(model, c, state)
+      state%poses%time = state%time
+      state%poses%h = h
       do b = 1, size(c%batch)
          call add_springs(c%batch(b), model%curves, state%poses, 1, c%batch(b)%n, state%joint(b), &
             state%wrench)

@@ -16,9 +16,11 @@ module accuracy_limits
 
 contains
 
-   !> Of a benchmark: runs over the whole of it are sound at once the safe step, and the step at which a run
-   !> of its beginning blows up is at most three times the safe one. Small loads in all directions on all
-   !> bodies disturb the runs: a planar scene would never meet its modes out of the plane.
+   !> The safe step is 0.9 of the safe bound. Of a benchmark: runs over the whole of it are sound at
+   !> that step and at 0.97 of the bound; the step at which a run of its beginning really blows up is not
+   !> below the bound (less 1 %: the spin of bodies, which is not in the bound) and at most three times
+   !> the safe step. Small loads in all directions on all bodies disturb the runs: a planar scene would
+   !> never meet its modes out of the plane.
    subroutine check_limit(check, folder, case)
       type(check_t), intent(inout) :: check
       character(len=*), intent(in) :: folder     !! of the benchmarks
@@ -30,9 +32,11 @@ contains
 
       call disturb(folder//'/'//case//'/'//case, case)
       call try(case, 0.5_wp, -1.0_wp, 0.0_wp, calm, h, sound)
-      call holds(check, case//': sound at half the safe step', sound)
-      call try(case, 1.0_wp, -1.0_wp, calm, kinetic, h, sound)
+      call holds(check, case//': runs at half the bound', sound)
+      call try(case, 0.9_wp, -1.0_wp, calm, kinetic, h, sound)
       call holds(check, case//': sound at the safe step, to its end', sound)
+      call try(case, 0.97_wp, -1.0_wp, calm, kinetic, h, sound)
+      call holds(check, case//': sound at 0.97 of the bound', sound)
       t = 500.0_wp*h
       call try(case, 0.5_wp, t, 0.0_wp, calm, h, sound)
       lo = 0.9_wp
@@ -43,8 +47,8 @@ contains
          if (sound) lo = s
          if (.not. sound) hi = s
       end do
-      call above(check, case//': true limit over the safe step', lo, 1.0_wp)
-      call below(check, case//': true limit over the safe step', hi, 3.0_wp)
+      call above(check, case//': true limit over the bound', lo, 0.99_wp)
+      call below(check, case//': true limit over the safe step', hi/0.9_wp, 3.0_wp)
    end subroutine check_limit
 
    !> One run at a factor of the safe step, without samples in between
@@ -125,34 +129,29 @@ contains
       close (out)
    end subroutine disturb
 
-   !> A four-bar linkage with stiff revolutes and thin, light bars: the legacy scheme with its nodal rule
-   !> blows up at the default factor, the consistent one runs at the safe step.
-   subroutine check_four_bar(check, seconds)
+   !> A four-bar linkage with stiff revolutes and thin, light bars. The legacy scheme with its nodal
+   !> rule blows up at the default factor: damping from mean inertias is beyond critical about the axes
+   !> of the bars, and acts half a step late. The consistent one runs at the safe step.
+   subroutine check_four_bar(check, tenths)
       type(check_t), intent(inout) :: check
-      integer, intent(in) :: seconds             !! tenths of a second of the sound run
+      integer, intent(in) :: tenths              !! of a second: how long it runs
 
+      character(len=*), parameter :: ROOT = 'four_bar'
       type(run_options_t) :: options
       type(deck_t) :: deck
       type(run_t) :: run
-      real(wp), allocatable :: e(:, :)
-      character(len=*), parameter :: ROOT = 'four_bar'
 
-      call four_bar(deck, 0.1_wp*seconds)
+      call four_bar(deck, 0.1_wp*tenths)
       call write_deck(deck, ROOT)
       call run_deck(ROOT, options, run)
       call holds(check, 'four-bar: sound under the safe rule', run%good)
-      if (run%good) then
-         e = series(run, OF_RUN, 'energy_error', 1)
-         call below(check, 'four-bar: ledger', maxval(abs(e)), 1.0e-4_wp)
-      end if
-      print *, run%status%cycle, run%status%time_step, run%status%wall_solve, run%status%kinetic
-      options%dt_rule = 'nodal'
-      call run_deck(ROOT, options, run)
-      print *, run%status%cycle, run%status%time_step, run%status%wall_solve, run%status%kinetic
+      if (run%good) call below(check, 'four-bar: ledger', &
+         maxval(abs(series(run, OF_RUN, 'energy_error', 1))), 1.0e-4_wp)
       options%formulation = 'legacy'
       options%energy_limit = 15.0_wp
+      options%until = 0.05_wp
+      options%sample = 1.0e-3_wp
       call run_deck(ROOT, options, run)
-      print *, run%status%cycle, run%status%time_step, run%status%wall_solve, run%status%kinetic
       call holds(check, 'four-bar: blows up under legacy, nodal', .not. run%good)
    end subroutine check_four_bar
 

@@ -1,7 +1,7 @@
 !> Accuracy tests: `accuracy_tests NAME [NUMBER]`, decks are written into the current folder.
 program accuracy_main
    use accuracy_check, only: check_t, say, quit
-   use accuracy_order, only: check_order
+   use accuracy_order, only: check_order, check_driven
    use accuracy_ledger, only: check_ledger, check_momentum, check_cycles
    use accuracy_extremes, only: check_masses, check_stiffnesses, check_lengths, check_far, check_coincident, &
       check_opposite, check_turns, check_falling, check_weightless
@@ -19,7 +19,11 @@ program accuracy_main
    if (verify(trim(text), '0123456789') == 0) read (text, '(i10)') number
    select case (name)
    case ('order')
-      call check_order(check, number)
+      call get_command_argument(3, case)
+      call check_order(check, number, trim(case))
+   case ('driven')
+      call get_command_argument(3, case)
+      call check_driven(check, number, trim(case))
    case ('ledger')
       call check_ledger(check)
    case ('momentum')

@@ -4,12 +4,12 @@ module accuracy_order
    use kj_channels, only: OF_BODY
    use accuracy_check, only: check_t, within, say
    use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, ramp_curve, add_gravity, &
-      add_load, write_deck, turn_about
+      add_load, add_drive, write_deck, turn_about
    use accuracy_run, only: run_t, run_deck, distance, slope_of
    implicit none
    private
 
-   public :: check_order
+   public :: check_order, check_driven
 
    real(wp), parameter :: SAMPLE = 0.01_wp
    real(wp), parameter :: LONGEST = 2.5e-4_wp    !! the step h; also the spacing of the ramp's table, so that
@@ -18,22 +18,37 @@ module accuracy_order
 contains
 
    !> Order 2 in pose and velocity for one joint type and both skew flags
-   subroutine check_order(check, type)
+   subroutine check_order(check, type, integrator)
       type(check_t), intent(inout) :: check
       integer, intent(in) :: type
+      character(len=*), intent(in) :: integrator !! '' = the default
 
       type(run_options_t) :: options
       integer :: flag
 
+      options%integrator = integrator
       do flag = 0, 1
          if (type == 5 .and. flag == 1) cycle
-         call fit(check, type, flag, options)
+         call fit(check, type, flag, .false., options)
       end do
    end subroutine check_order
 
-   subroutine fit(check, type, flag, options)
+   !> The same with body 1 driven: imposed velocity along y, imposed spin about z
+   subroutine check_driven(check, type, integrator)
+      type(check_t), intent(inout) :: check
+      integer, intent(in) :: type
+      character(len=*), intent(in) :: integrator
+
+      type(run_options_t) :: options
+
+      options%integrator = integrator
+      call fit(check, type, 0, .true., options)
+   end subroutine check_driven
+
+   subroutine fit(check, type, flag, driven, options)
       type(check_t), intent(inout) :: check
       integer, intent(in) :: type, flag
+      logical, intent(in) :: driven
       type(run_options_t), intent(in) :: options
 
       character(len=*), parameter :: NAMES(4) = [character(len=16) :: 'position', 'orientation', 'velocity', &
@@ -47,7 +62,7 @@ contains
       integer :: i, k
 
       write (root, '(a,i0,a,i0)') 'order', type, '_', flag
-      call scene(type, flag, deck)
+      call scene(type, flag, driven, deck)
       do i = 1, 5
          deck%dt_max = LONGEST/PARTS(i)
          call write_deck(deck, trim(root))
@@ -67,8 +82,10 @@ contains
    !> Two free bodies whose centres of gravity and principal axes lie on z, turning about z together:
    !> a motion without any joint force. Gravity on both, a force and a moment on body 2 grow from nothing
    !> with three continuous derivatives. Joint nodes aside of z and apart, frames 12 degrees apart.
-   subroutine scene(type, flag, deck)
+   !> Driven: all starts at rest, the drive grows as smoothly.
+   subroutine scene(type, flag, driven, deck)
       integer, intent(in) :: type, flag
+      logical, intent(in) :: driven
       type(deck_t), intent(out) :: deck
 
       real(wp), parameter :: X1(3) = [0.10_wp, 0.05_wp, 0.12_wp], X2(3) = [0.16_wp, 0.02_wp, 0.25_wp]
@@ -79,8 +96,10 @@ contains
          [0.06_wp, 0.05_wp, 0.08_wp, 0.0_wp, 0.0_wp, 0.0_wp], .false.)
       call add_body(deck, [0.0_wp, 0.0_wp, 0.4_wp], 2.0_wp, &
          [0.03_wp, 0.05_wp, 0.04_wp, 0.0_wp, 0.0_wp, 0.0_wp], .false.)
-      call add_motion(deck, 1, [0.3_wp, -0.2_wp, 0.1_wp], [0.0_wp, 0.0_wp, 2.0_wp])
-      call add_motion(deck, 2, [0.3_wp, -0.2_wp, 0.1_wp], [0.0_wp, 0.0_wp, 2.0_wp])
+      if (.not. driven) then
+         call add_motion(deck, 1, [0.3_wp, -0.2_wp, 0.1_wp], [0.0_wp, 0.0_wp, 2.0_wp])
+         call add_motion(deck, 2, [0.3_wp, -0.2_wp, 0.1_wp], [0.0_wp, 0.0_wp, 2.0_wp])
+      end if
       e1 = turn_about([1.0_wp, 2.0_wp, -1.0_wp], 0.7_wp)
       e2 = matmul(turn_about([2.0_wp, -1.0_wp, 1.0_wp], 0.21_wp), e1)
       if (type == 5) e2 = matmul(e1, reshape([0.0_wp, 1.0_wp, 0.0_wp, -1.0_wp, 0.0_wp, 0.0_wp, &
@@ -89,6 +108,11 @@ contains
          [2000.0_wp, 3000.0_wp, 2500.0_wp, 40.0_wp, 30.0_wp, 50.0_wp], &
          [6.0_wp, 5.0_wp, 4.0_wp, 0.05_wp, 0.08_wp, 0.06_wp])
       call ramp_curve(deck, 0.15_wp, LONGEST)
+      if (driven) then
+         call ramp_curve(deck, 0.4_wp, LONGEST)
+         call add_drive(deck, 1, ' Y', 0.5_wp, 2)
+         call add_drive(deck, 1, 'ZZ', 1.0_wp, 2)
+      end if
       call add_gravity(deck, 'Z', -9.81_wp, 1)
       call add_load(deck, 2, ' X', 12.0_wp, 1)
       call add_load(deck, 2, ' Y', -8.0_wp, 1)

@@ -2,6 +2,7 @@
 """Bad decks, and odd ones that are right: every finding, with its id and place.
 
 usage: run_bad.py KJOINT CASES.txt      (a file of cases; see README.md for the language)
+       run_bad.py KJOINT keywords       (each keyword that is noted or not supported)
 
 Each case changes the base deck. `kjoint check --json` must give exactly the errors and warnings
 that the case expects, `kjoint run --json` the same; no file may be left behind.
@@ -215,9 +216,37 @@ def check(kjoint, case):
     return wrong
 
 
+def keyword_cases(kjoint):
+    """A case for each keyword of `kjoint list keywords`: those that are read stand in the base deck."""
+    table = subprocess.run([kjoint, "list", "keywords"], capture_output=True, text=True, check=True)
+    cases = []
+    for row in table.stdout.splitlines()[1:]:
+        name, status = row.split()[:2]
+        case = Case(f"{name} is {status}")
+        cases.append(case)
+        if status == "read":
+            continue
+        case.do("before", "/END")
+        case.add(name + "/77")
+        case.add("a title")
+        if status == "unsupported":
+            case.expected.append(("error", "KJ-9022", f"+1:1-{len(name) + 3}"))
+    read = {row.split()[0] for row in table.stdout.splitlines()[1:] if row.split()[1] == "read"}
+    aliases = {"/PROP/SPRING", "/PROP/SPR_GENE", "/PROP/TYPE45", "/PROP/KJOINT", "/MAT/LAW0", "/RANDOM/GRNOD",
+               "/PROP/TYPE4", "/PROP/TYPE8", "/TH/PART"}
+    base = (HERE / "base_0000.rad").read_text().splitlines()
+    missing = [name for name in sorted(read - aliases)
+               if not any(line == name or line.startswith(name + "/") for line in base)]
+    if missing:
+        raise SystemExit(f"not in the base deck: {missing}")
+    return cases
+
+
 def main():
     kjoint = str(pathlib.Path(sys.argv[1]).resolve())
-    cases = [case for path in sys.argv[2:] for case in read_cases(pathlib.Path(path))]
+    cases = []
+    for name in sys.argv[2:]:
+        cases += keyword_cases(kjoint) if name == "keywords" else read_cases(pathlib.Path(name))
     failed, ids = 0, set()
     for case in cases:
         ids |= {k for _, k, _ in case.expected}

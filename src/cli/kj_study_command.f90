@@ -1,0 +1,194 @@
+!> `kjoint study`: what accuracy costs for a deck.
+module kj_study_command
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_INPUT, ERR_FILE
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE
+   use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_UNTIL, OPT_SAMPLE, OPT_IGNORE, &
+      OPT_QUIET, OPT_JSON, OPT_ERROR, OPT_SCALES, OPT_STIFFNESS, OPT_THREADS
+   use kj_terminal, only: print_line, print_error, environment, may_colour, STDERR
+   use kj_signal, only: watch_signals, caught_signal
+   use kj_render, only: print_findings, print_failure
+   use kj_json, only: json_member, json_findings
+   use kj_run_command, only: default_engine, check_end, exit_code
+   use kj_study, only: study_options_t, study_t, trial_t, watcher_t, run_study
+   use kj_study_report, only: print_study, study_json, study_csv, trial_name
+   implicit none
+   private
+
+   public :: study_command
+
+   real(wp), parameter :: WANTED_ERROR = 1.0e-3_wp
+
+   !> Says on stderr which run is done; stops after a signal
+   type, extends(watcher_t) :: teller_t
+      logical :: quiet = .false.
+   contains
+      procedure :: wants_stop
+      procedure :: run_done
+   end type teller_t
+
+contains
+
+   logical function wants_stop(self)
+      class(teller_t), intent(in) :: self
+
+      wants_stop = caught_signal() /= 0
+      if (self%quiet) return
+   end function wants_stop
+
+   subroutine run_done(self, n_done, n_all, trial)
+      class(teller_t), intent(inout) :: self
+      integer, intent(in) :: n_done, n_all
+      type(trial_t), intent(in) :: trial
+
+      character(len=40) :: buffer
+
+      if (self%quiet) return
+      buffer = '  failed'
+      if (trial%good) write (buffer, '(f10.2,a,i0,a)') trial%wall, ' s  ', trial%cycles, ' cycles'
+      call print_error('run '//str(n_done)//' of '//str(n_all)//': '//trial_name(trial)//trim(buffer))
+   end subroutine run_done
+
+   !> Study a deck as the arguments say; everything that is to be said has been said on return
+   subroutine study_command(args, code)
+      type(arguments_t), intent(in) :: args
+      integer, intent(out) :: code                   !! exit code
+
+      type(study_options_t) :: options
+      type(study_t) :: study
+      type(teller_t) :: teller
+      type(finding_list_t) :: findings
+      type(error_t), allocatable :: error
+      character(len=:), allocatable :: engine, root, json
+      real(wp) :: wanted
+
+      call watch_signals()
+      call take_study_options(args, options, wanted, error)
+      if (.not. allocated(error)) then
+         engine = default_engine(args%operand(1)%s)
+         if (args%n_operand == 2) engine = args%operand(2)%s
+         if (engine == '') call check_end(args, error)
+      end if
+      teller%quiet = args%given(OPT_QUIET) .or. args%given(OPT_JSON)
+      if (.not. allocated(error)) &
+         call run_study(args%operand(1)%s, engine, options, teller, study, findings, error)
+      if (.not. allocated(error)) then
+         root = table_root(args)
+         json = study_json(study, args%operand(1)%s, wanted)
+         call write_file(root//'.json', json, error)
+         if (.not. allocated(error)) call write_file(root//'.csv', study_csv(study), error)
+      end if
+      code = exit_code(findings, error)
+      if (caught_signal() > 0) code = 128 + caught_signal()
+      if (args%given(OPT_JSON)) then
+         if (allocated(error)) call add_finding(findings, error)
+         if (allocated(error)) json = '{'//json_member('exit_code', str(code))//', '// &
+            json_member('findings', json_findings(findings))//'}'
+         call print_line(json)
+         return
+      end if
+      call print_findings(findings, may_colour(STDERR), .false., args%given(OPT_QUIET))
+      if (allocated(error)) then
+         if (findings%n_error == 0) call print_failure(error, may_colour(STDERR))
+         return
+      end if
+      if (args%given(OPT_QUIET)) return
+      call print_study(study, args%operand(1)%s, wanted)
+      call print_line('table: '//root//'.json, '//root//'.csv; plot: tools/plot_study.py '//root//'.json')
+   end subroutine study_command
+
+   !> Options of the command line as the library takes them
+   subroutine take_study_options(args, options, wanted, error)
+      type(arguments_t), intent(in) :: args
+      type(study_options_t), intent(out) :: options
+      real(wp), intent(out) :: wanted
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: threads
+      integer :: number, status
+
+      wanted = WANTED_ERROR
+      options%run%ignore_unsupported = args%given(OPT_IGNORE)
+      call option_real(args, OPT_UNTIL, 0.0_wp, options%run%until, error)
+      if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%run%sample, error)
+      if (.not. allocated(error)) call option_real(args, OPT_ERROR, tiny(1.0_wp), wanted, error)
+      if (.not. allocated(error)) call option_list(args, OPT_SCALES, '--scales', options%dt_scale, error)
+      if (.not. allocated(error)) &
+         call option_list(args, OPT_STIFFNESS, '--stiffness', options%kn_scale, error)
+      if (allocated(error)) return
+      call parse_integer(environment('OMP_NUM_THREADS'), number, status)
+      threads = 1.0_wp
+      if (status == NUMBER_FINE) threads = number
+      call option_real(args, OPT_THREADS, 1.0_wp, threads, error)
+      options%threads = max(1, nint(threads))
+   end subroutine take_study_options
+
+   !> Positive numbers with commas between them, descending; not allocated when the option is not given
+   !>
+   !> Errors: ERR_INPUT when one is no number, not positive or larger than the one before it
+   subroutine option_list(args, row, name, list, error)
+      type(arguments_t), intent(in) :: args
+      integer, intent(in) :: row                 !! OPT_ constant
+      character(len=*), intent(in) :: name
+      real(wp), allocatable, intent(inout) :: list(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=:), allocatable :: rest
+      real(wp) :: x
+      integer :: comma, status
+
+      if (.not. args%given(row)) return
+      allocate (list(0))
+      rest = args%value(row)%s//','
+      do while (len(rest) > 0)
+         comma = index(rest, ',')
+         call parse_real(rest(:comma - 1), x, status)
+         if (status == NUMBER_FINE .and. size(list) > 0) then
+            if (x >= list(size(list))) status = NUMBER_FINE + 1
+         end if
+         if (status /= NUMBER_FINE .or. .not. x > 0.0_wp) then
+            call fail(error, ERR_INPUT, name//' needs falling positive numbers with commas between them, not "'// &
+               args%value(row)%s//'"')
+            return
+         end if
+         list = [list, x]
+         rest = rest(comma + 1:)
+      end do
+   end subroutine option_list
+
+   !> What -o says without .json or .csv, else ROOT_study of DECK_0000.rad, here
+   function table_root(args) result(root)
+      type(arguments_t), intent(in) :: args
+      character(len=:), allocatable :: root
+
+      integer :: cut
+
+      if (args%given(OPT_OUTPUT)) then
+         root = args%value(OPT_OUTPUT)%s
+         cut = max(index(root, '.json', back=.true.), index(root, '.csv', back=.true.))
+         if (cut > 1 .and. cut >= len(root) - 4) root = root(:cut - 1)
+         return
+      end if
+      root = args%operand(1)%s(index(args%operand(1)%s, '/', back=.true.) + 1:)
+      cut = index(root, '_0000.rad', back=.true.)
+      if (cut <= 1) cut = index(root, '.', back=.true.)
+      if (cut > 1) root = root(:cut - 1)
+      root = root//'_study'
+   end function table_root
+
+   !> Errors: ERR_FILE when it cannot be written
+   subroutine write_file(path, text, error)
+      character(len=*), intent(in) :: path, text
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: unit, status
+
+      open (newunit=unit, file=path, action='write', status='replace', iostat=status)
+      if (status == 0) then
+         write (unit, '(a)', iostat=status) text
+         close (unit)
+      end if
+      if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//path)
+   end subroutine write_file
+
+end module kj_study_command

@@ -1,0 +1,268 @@
+!> A study as a table for people, as JSON and as CSV.
+module kj_study_report
+   use kj_kinds, only: wp
+   use kj_error, only: str
+   use kj_study, only: study_t, trial_t, best_trial, order_of
+   use kj_study_metric, only: CLASSES, N_CLASS
+   use kj_json, only: json_member, json_text, json_real
+   use kj_terminal, only: print_line
+   implicit none
+   private
+
+   public :: print_study, study_json, study_csv, trial_name, advice
+
+   character(len=7), parameter :: SCHEMES(4) = ['split2 ', 'liemid ', 'rkmk4  ', 'legacy ']
+
+contains
+
+   !> Table, orders, reference and recommendation
+   subroutine print_study(study, deck, wanted)
+      type(study_t), intent(in) :: study
+      character(len=*), intent(in) :: deck       !! as the user named it
+      real(wp), intent(in) :: wanted             !! error
+
+      character(len=:), allocatable :: orders
+      character(len=20) :: buffer
+      integer :: i
+
+      call print_line(study%title)
+      call print_line('   '//str(study%n_joint)//' joints, '//str(study%n_body)//' rigid bodies')
+      call print_line('')
+      call print_line(repeat(' ', 43)//'ns per  ---------- error over the peak, root mean square '// &
+         '---------   energy             ')
+      call print_line('scheme  dt-scale     Kn    cycles   wall s   cycle  displac. rotation velocity '// &
+         'ang.vel.   force   moment     error     gap  order')
+      do i = 1, size(study%trial)
+         if (i > 1) then
+            if (trial_family(study%trial(i)) /= trial_family(study%trial(i - 1))) call print_line('')
+         end if
+         call print_line(table_row(study%trial(i)))
+      end do
+      call print_line('')
+      orders = ''
+      do i = 1, size(SCHEMES)
+         if (abs(order_of(study, trim(SCHEMES(i)))) <= 0.0_wp) cycle
+         write (buffer, '(f8.2)') order_of(study, trim(SCHEMES(i)))
+         orders = orders//', '//trim(SCHEMES(i))//' '//trim(adjustl(buffer))
+      end do
+      if (len(orders) > 0) call print_line('order in the time step: '//orders(3:))
+      write (buffer, '(es8.2)') study%reference%step
+      call print_line('reference: '//trial_name(study%reference)//', '//str(study%reference%cycles)// &
+         ' cycles of '//trim(buffer)//' on average')
+      call print_line('ns per cycle: of a joint (of a body where there is no joint); order: '// &
+         'against the row above')
+      call print_line('')
+      call print_line(advice(study, deck, wanted))
+   end subroutine print_study
+
+   !> The one recommendation
+   function advice(study, deck, wanted) result(text)
+      type(study_t), intent(in) :: study
+      character(len=*), intent(in) :: deck
+      real(wp), intent(in) :: wanted
+      character(len=:), allocatable :: text
+
+      character(len=100) :: buffer
+      integer :: i, best
+
+      best = best_trial(study, wanted)
+      write (buffer, '(es8.1)') wanted
+      text = 'For an error of '//trim(adjustl(buffer))//': '
+      if (best == 0) then
+         text = 'No setting has an error of '//trim(adjustl(buffer))//'; nearest: '
+         do i = 1, size(study%trial)
+            if (.not. study%trial(i)%good) cycle
+            if (best > 0) then
+               if (study%trial(i)%score >= study%trial(best)%score) cycle
+            end if
+            best = i
+         end do
+         if (best == 0) then
+            text = 'No setting ran to its end.'
+            return
+         end if
+      end if
+      associate (t => study%trial(best))
+         text = text//'kjoint run '//deck//run_options(t)
+         write (buffer, '(a,es8.1,a,f0.3,a)') '  (error', t%score, ', ', t%wall, ' s)'
+         if (t%wall < 1.0_wp) write (buffer, '(a,es8.1,a,f5.3,a)') '  (error', t%score, ', ', &
+            t%wall, ' s)'
+         text = text//trim(buffer)
+         if (t%by_deck) then
+            write (buffer, '(es10.3)') t%step
+            text = text//new_line('a')//'with /DTIX at'//trim(buffer)// &
+               ' in the engine deck: it limits the step of this deck, not its joints'
+         end if
+      end associate
+   end function advice
+
+   !> Options of run that give a trial; defaults are left out
+   function run_options(t) result(text)
+      type(trial_t), intent(in) :: t
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (t%options%formulation == 'legacy') then
+         text = text//' --legacy'
+      else if (t%options%integrator /= 'split2') then
+         text = text//' --integrator '//trim(t%options%integrator)
+      end if
+      if (.not. t%by_deck) text = text//' --dt-scale '//short(t%options%dt_scale)
+      if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) &
+         text = text//' --kn-scale '//short(t%options%kn_scale)
+   end function run_options
+
+   !> "split2 0.45" or "split2 0.45, Kn x 0.1"
+   function trial_name(t) result(text)
+      type(trial_t), intent(in) :: t
+      character(len=:), allocatable :: text
+
+      text = trim(t%options%integrator)//' '//short(t%options%dt_scale)
+      if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) text = text//', Kn x '//short(t%options%kn_scale)
+   end function trial_name
+
+   function trial_family(t) result(text)
+      type(trial_t), intent(in) :: t
+      character(len=:), allocatable :: text
+
+      text = trim(t%options%integrator)
+      if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) text = text//' Kn'
+   end function trial_family
+
+   function table_row(t) result(text)
+      type(trial_t), intent(in) :: t
+      character(len=:), allocatable :: text
+
+      character(len=160) :: buffer
+      character(len=7) :: order
+
+      text = t%options%integrator(:9)//short_column(t%options%dt_scale, 7)// &
+         short_column(t%options%kn_scale, 7)
+      if (.not. t%good) then
+         text = text//'   failed'
+         if (allocated(t%message)) text = text//': '//t%message
+         return
+      end if
+      order = ''
+      if (abs(t%order) > 0.0_wp) write (order, '(f6.2)') t%order
+      write (buffer, '(i10,f9.3,i8,6es9.1,es10.1,es8.1,a7)') t%cycles, t%wall, &
+         nint(1.0e9_wp*t%per_cycle), t%error, t%energy, t%gap, order
+      text = trim(text//buffer)
+   end function table_row
+
+   !> A number right-justified in n columns
+   function short_column(x, n) result(text)
+      real(wp), intent(in) :: x
+      integer, intent(in) :: n
+      character(len=n) :: text
+
+      text = adjustr(repeat(' ', max(0, n - len(short(x))))//short(x))
+   end function short_column
+
+   !> A number with as few digits as it needs, at most six
+   function short(x) result(text)
+      real(wp), intent(in) :: x
+      character(len=:), allocatable :: text
+
+      character(len=20) :: buffer
+
+      write (buffer, '(f16.6)') x
+      if (abs(x) < 1.0e-4_wp .or. abs(x) >= 1.0e6_wp) then
+         write (buffer, '(es12.4)') x
+         text = trim(adjustl(buffer))
+         return
+      end if
+      buffer = adjustl(buffer)
+      text = buffer(:verify(buffer(:len_trim(buffer)), '0', back=.true.))
+      if (text(len(text):) == '.') text = text(:len(text) - 1)
+      if (text(1:1) == '.') text = '0'//text
+   end function short
+
+   !> Everything, for tools/plot_study.py and others
+   function study_json(study, deck, wanted) result(json)
+      type(study_t), intent(in) :: study
+      character(len=*), intent(in) :: deck
+      real(wp), intent(in) :: wanted
+      character(len=:), allocatable :: json
+
+      character(len=1), parameter :: EOL = new_line('a')
+      integer :: i, best
+
+      json = '{'//json_member('deck', json_text(deck))//', '//json_member('title', json_text(study%title))// &
+         ', '//json_member('joints', str(study%n_joint))//', '//json_member('bodies', str(study%n_body))// &
+         ','//EOL//json_member('reference', trial_json(study%reference))//','//EOL//'"settings": ['
+      do i = 1, size(study%trial)
+         if (i > 1) json = json//','
+         json = json//EOL//trial_json(study%trial(i))
+      end do
+      json = json//'],'//EOL//'"orders": {'
+      do i = 1, size(SCHEMES)
+         if (i > 1) json = json//', '
+         json = json//json_member(trim(SCHEMES(i)), json_real(order_of(study, trim(SCHEMES(i)))))
+      end do
+      best = best_trial(study, wanted)
+      json = json//'},'//EOL//json_member('wanted_error', json_real(wanted))//', '// &
+         json_member('recommended', str(best))//', '// &
+         json_member('recommendation', json_text(advice(study, deck, wanted)))//'}'
+   end function study_json
+
+   function trial_json(t) result(json)
+      type(trial_t), intent(in) :: t
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = '{'//json_member('name', json_text(trial_name(t)))//', '// &
+         json_member('formulation', json_text(trim(t%options%formulation)))//', '// &
+         json_member('integrator', json_text(trim(t%options%integrator)))//', '// &
+         json_member('dt_scale', json_real(t%options%dt_scale))//', '// &
+         json_member('kn_scale', json_real(t%options%kn_scale))//', '// &
+         json_member('good', trim(merge('true ', 'false', t%good)))
+      if (allocated(t%message)) json = json//', '//json_member('message', json_text(t%message))
+      if (t%good) then
+         json = json//', '//json_member('cycles', str(t%cycles))//', '//json_member('step', json_real(t%step))// &
+            ', '//json_member('wall_s', json_real(t%wall))//', '// &
+            json_member('ns_per_joint_cycle', json_real(1.0e9_wp*t%per_cycle))//', '// &
+            json_member('error', json_real(t%score))
+         do i = 1, N_CLASS
+            json = json//', '//json_member('error_'//trim(CLASSES(i)), json_real(t%error(i)))
+         end do
+         json = json//', '//json_member('energy_error', json_real(t%energy))//', '// &
+            json_member('violation_trans', json_real(t%gap))//', '// &
+            json_member('violation_rot', json_real(t%gap_rot))//', '// &
+            json_member('order', json_real(t%order))
+      end if
+      json = json//'}'
+   end function trial_json
+
+   !> A row a setting; a setting that failed has empty fields
+   function study_csv(study) result(csv)
+      type(study_t), intent(in) :: study
+      character(len=:), allocatable :: csv
+
+      character(len=1), parameter :: EOL = new_line('a')
+      character(len=400) :: buffer
+      integer :: i, k
+
+      csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,wall_s,ns_per_joint_cycle,error'
+      do k = 1, N_CLASS
+         csv = csv//',error_'//trim(CLASSES(k))
+      end do
+      csv = csv//',energy_error,violation_trans,violation_rot,order'//EOL
+      do i = 1, size(study%trial)
+         associate (t => study%trial(i))
+            csv = csv//trim(t%options%formulation)//','//trim(t%options%integrator)//','// &
+               short(t%options%dt_scale)//','//short(t%options%kn_scale)
+            if (t%good) then
+               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%wall, ',', &
+                  1.0e9_wp*t%per_cycle, ',', t%score, (',', t%error(k), k=1, N_CLASS), ',', t%energy, &
+                  ',', t%gap, ',', t%gap_rot, ',', t%order
+               csv = csv//trim(buffer)//EOL
+            else
+               csv = csv//',0'//repeat(',', 9 + N_CLASS)//EOL
+            end if
+         end associate
+      end do
+   end function study_csv
+
+end module kj_study_report

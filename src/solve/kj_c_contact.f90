@@ -1,0 +1,140 @@
+!> Shorter steps where a stop is met and where friction begins.
+!>
+!> A stop that begins or ends within a step errs by up to (w h)^2/4 of the energy of the impact, w
+!> the
+!> frequency of the stop; a step near the stable limit, w h = 1.8, would make bounces of any height.
+!> So before a stop is reached the step falls to w h = FINE, and stays there until the impact is
+!> over.
+!>
+!> Friction that goes from rest to its limit within one step misses half a step of its force. So as
+!> long as its spring would be wound up in less than two steps, that takes WINDUP of them.
+module kj_c_contact
+   use kj_kinds, only: wp
+   use kj_joint_types, only: NDOF
+   use kj_joint_batch, only: DOF_STICKING
+   use kj_c_batch, only: c_batch_t, c_joint_t
+   use kj_c_limit, only: stop_stiffness
+   use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_bound, only: compliances
+   implicit none
+   private
+
+   public :: contact_t, watch_stops
+
+   real(wp), parameter :: FINE = 0.05_wp         !! w h while a stop is met: 6e-4 of the energy
+   real(wp), parameter :: LASTS = 8.0_wp         !! of 1/w; an impact takes pi to 2 pi of it
+   real(wp), parameter :: WINDUP = 10.0_wp       !! steps until friction slides
+   real(wp), parameter :: MARGIN = 1.5_wp        !! on the way until the next look
+
+   !> Stops that are met now, and what they ask for
+   type :: contact_t
+      real(wp) :: h = huge(1.0_wp)               !! longest step for their sake and that of friction
+      real(wp) :: h_stop = huge(1.0_wp)          !! for their sake alone
+      real(wp) :: until = -huge(1.0_wp)          !! time at which the last impact is over
+   end type contact_t
+
+contains
+
+   !> Renew what stops and friction ask for, before some steps pass unseen
+   subroutine watch_stops(c, state, h, steps, contact)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      real(wp), intent(in) :: h                  !! step without them
+      integer, intent(in) :: steps               !! until the next look
+      type(contact_t), intent(inout) :: contact
+
+      real(wp) :: omega, ahead
+      integer :: b, i
+
+      ahead = steps*min(h, 1.0e30_wp)
+      if (state%time >= contact%until) contact%h_stop = huge(1.0_wp)
+      contact%h = huge(1.0_wp)
+      do b = 1, size(c%batch)
+         if (.not. c%batch(b)%limited) cycle
+         do i = 1, c%batch(b)%n
+            contact%h = min(contact%h, windup_step(c%batch(b), state%joint(b), i, h))
+            if (.not. meets_stop(c%batch(b), state%joint(b), i, MARGIN*ahead)) cycle
+            omega = stop_frequency(c, state, b, i)
+            if (.not. omega > 0.0_wp) cycle
+            contact%h_stop = min(contact%h_stop, FINE/omega)
+            contact%until = max(contact%until, state%time + ahead + LASTS/omega)
+         end do
+      end do
+      contact%h = min(contact%h, contact%h_stop)
+   end subroutine watch_stops
+
+   !> Step that resolves how friction of joint i at rest comes to its limit; huge when h does
+   pure real(wp) function windup_step(batch, joint, i, h) result(step)
+      type(c_batch_t), intent(in) :: batch
+      type(c_joint_t), intent(in) :: joint
+      integer, intent(in) :: i
+      real(wp), intent(in) :: h
+
+      real(wp) :: rise
+      integer :: dof
+
+      step = huge(1.0_wp)
+      do dof = 1, NDOF
+         if (joint%flag(i, dof) /= DOF_STICKING) cycle
+         rise = batch%limit%k(i, dof)*abs(joint%qd(i, dof))
+         if (rise*h > 0.5_wp*joint%grip(i, dof) .and. joint%grip(i, dof) > 0.0_wp) &
+            step = min(step, joint%grip(i, dof)/(WINDUP*rise))
+      end do
+   end function windup_step
+
+   !> Joint i is inside its stops and comes to one within the time ahead
+   pure logical function meets_stop(batch, joint, i, ahead) result(meets)
+      type(c_batch_t), intent(in) :: batch
+      type(c_joint_t), intent(in) :: joint
+      integer, intent(in) :: i
+      real(wp), intent(in) :: ahead
+
+      real(wp) :: q(NDOF)
+      integer :: dof, s
+
+      q = joint%q(i, :)
+      if (batch%shifted) q(4:6) = q(4:6) + batch%shift(i, :)
+      meets = .true.
+      associate (lo => batch%limit%lo(i, :), hi => batch%limit%hi(i, :), &
+         in => batch%limit%combined(i, :), rate => joint%qd(i, :))
+         do dof = 1, NDOF
+            if (in(dof) > 0.0_wp) cycle
+            if (hi(dof) > 0.0_wp .and. q(dof) <= hi(dof) .and. q(dof) + ahead*rate(dof) > hi(dof)) &
+               return
+            if (lo(dof) < 0.0_wp .and. q(dof) >= lo(dof) .and. q(dof) + ahead*rate(dof) < lo(dof)) &
+               return
+         end do
+         do s = 1, 4, 3
+            if (.not. any(in(s:s + 2) > 0.0_wp)) cycle
+            associate (reach => norm2(in(s:s + 2)*(q(s:s + 2) - 0.5_wp*(lo(s:s + 2) + &
+               hi(s:s + 2)))), radius => minval(0.5_wp*(hi(s:s + 2) - lo(s:s + 2)), &
+               mask=in(s:s + 2) > 0.0_wp))
+               if (reach <= radius .and. reach + ahead*norm2(in(s:s + 2)*rate(s:s + 2)) > radius) &
+                  return
+            end associate
+         end do
+      end associate
+      meets = .false.
+   end function meets_stop
+
+   !> Highest frequency of the stops of joint i of batch b, each for itself
+   real(wp) function stop_frequency(c, state, b, i) result(omega)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      integer, intent(in) :: b, i
+
+      real(wp) :: s(NDOF, NDOF, 2)
+      integer :: dof
+
+      omega = 0.0_wp
+      call compliances(c, state, b, i, s)
+      associate (batch => c%batch(b))
+         do dof = 1, NDOF
+            if (.not. (batch%limit%lo(i, dof) < 0.0_wp .or. batch%limit%hi(i, dof) > 0.0_wp)) cycle
+            omega = max(omega, sqrt(stop_stiffness(batch, i, dof)*(s(dof, dof, 1) + &
+               s(dof, dof, 2))))
+         end do
+      end associate
+   end function stop_frequency
+
+end module kj_c_contact

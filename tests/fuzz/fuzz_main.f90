@@ -1,0 +1,156 @@
+!> Changes decks at random, reads and builds each, and runs some cycles of those that are right.
+!>
+!> usage: fuzz COUNT SEED DECK_0000.rad ...
+!>
+!> The deck under way is fuzz_0000.rad with fuzz_0001.rad in the current folder: after a crash they
+!> are the proof. The same count, seed and decks change the same things.
+program fuzz_main
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, finding_list_t
+   use kj_system, only: wall_clock
+   use kj_deck, only: deck_t, source_t, read_deck
+   use kj_engine, only: engine_t, read_engine
+   use kj_model, only: model_t
+   use kj_build, only: build_model
+   use kj_state, only: state_t, new_state
+   use kj_step, only: find_accelerations, advance
+   use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_build, only: build_c_model, new_c_state
+   use kj_c_bound, only: bound_t, new_bound, nodal_bound
+   use fuzz_text, only: random_t, seed_random, below, mutate, load_text, save_text
+   implicit none
+
+   integer, parameter :: CYCLES = 20
+   real(wp), parameter :: TOO_LONG = 20.0_wp     !! [s] for one deck
+
+   type :: text_t
+      character(len=:), allocatable :: starter, engine
+   end type text_t
+
+   type(text_t), allocatable :: decks(:)
+   integer :: count, seed, i, read_well, built, ran, with_findings
+   real(wp) :: started, slowest, clock
+
+   call read_arguments()
+   read_well = 0
+   built = 0
+   ran = 0
+   with_findings = 0
+   slowest = 0.0_wp
+   started = wall_clock()
+   do i = 1, count
+      clock = wall_clock()
+      call try_one(seed + i)
+      slowest = max(slowest, wall_clock() - clock)
+      if (slowest > TOO_LONG) then
+         write (output_unit, '(a,i0)') 'too long: mutation ', i
+         error stop 1
+      end if
+   end do
+   write (output_unit, '(i0,a,i0,a,f0.1,a)') count, ' changed decks of ', size(decks), ' in ', &
+      wall_clock() - started, ' s'
+   call tell('with a finding', with_findings)
+   call tell('past the reader', read_well)
+   call tell('past the builder', built)
+   call tell('ran some cycles', ran)
+   write (output_unit, '(3x,a20,f7.3,a)') 'slowest', slowest, ' s'
+   deallocate (decks)
+
+contains
+
+   subroutine tell(what, n)
+      character(len=*), intent(in) :: what
+      integer, intent(in) :: n
+
+      write (output_unit, '(3x,a20,f6.1,a)') what, 100.0_wp*n/max(1, count), ' %'
+   end subroutine tell
+
+   subroutine read_arguments()
+      character(len=1000) :: word
+      integer :: k, n
+
+      call get_command_argument(1, word)
+      read (word, *) count
+      call get_command_argument(2, word)
+      read (word, *) seed
+      n = command_argument_count() - 2
+      allocate (decks(n))
+      do k = 1, n
+         call get_command_argument(k + 2, word)
+         call load_text(trim(word), decks(k)%starter)
+         call load_text(word(:index(word, '_0000.rad'))//'0001.rad', decks(k)%engine)
+      end do
+   end subroutine read_arguments
+
+   !> Change a deck in one to four places, read it, build it, and run it
+   subroutine try_one(seed)
+      integer, intent(in) :: seed
+
+      type(random_t) :: random
+      type(deck_t) :: deck
+      type(engine_t) :: engine
+      type(source_t) :: source
+      type(model_t) :: model
+      type(finding_list_t) :: findings
+      character(len=:), allocatable :: starter, controls
+      integer :: k, n
+
+      call seed_random(random, seed)
+      k = below(random, size(decks))
+      starter = decks(k)%starter
+      controls = decks(k)%engine
+      do n = 1, below(random, 4)
+         if (below(random, 12) == 1) then
+            call mutate(random, controls)
+         else
+            call mutate(random, starter)
+         end if
+      end do
+      call save_text('fuzz_0000.rad', starter)
+      call save_text('fuzz_0001.rad', controls)
+      call read_deck('fuzz_0000.rad', deck, findings, below(random, 4) == 1)
+      call read_engine('fuzz_0001.rad', engine, source, findings)
+      if (findings%n_error == 0) read_well = read_well + 1
+      if (deck%readable) call build_model(deck, engine, model, findings, below(random, 2) == 1)
+      if (findings%n > 0) with_findings = with_findings + 1
+      if (.not. deck%readable .or. findings%n_error > 0) return
+      built = built + 1
+      call run_some_cycles(model)
+      call find_limits(model)
+   end subroutine try_one
+
+   !> The legacy scheme from its start
+   subroutine run_some_cycles(model)
+      type(model_t), intent(in) :: model
+
+      type(state_t) :: state
+      type(error_t), allocatable :: error
+      integer :: n
+
+      call new_state(model, state)
+      do n = 1, CYCLES
+         call find_accelerations(model, state, .true., error)
+         if (allocated(error)) return
+         call advance(model, state, error)
+         if (allocated(error)) return
+      end do
+      ran = ran + 1
+   end subroutine run_some_cycles
+
+   !> What `kjoint check` and the consistent formulation start with
+   subroutine find_limits(model)
+      type(model_t), intent(in) :: model
+
+      type(c_model_t) :: c
+      type(c_state_t) :: state
+      type(bound_t) :: bound
+      real(wp) :: h
+
+      call build_c_model(model, c)
+      call new_c_state(model, c, state)
+      call new_bound(model, c, .false., state, bound)
+      call nodal_bound(model, c, state, h)
+   end subroutine find_limits
+
+end program fuzz_main
