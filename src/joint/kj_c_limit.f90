@@ -79,6 +79,7 @@ contains
             has = has_friction(l%k(j, :), l%slip(j, :), l%slip_curve(j, :))
             if (.not. any(has)) cycle
             ratio = 0.0_wp
+            most = 0.0_wp
             do dof = 1, NDOF
                if (.not. has(dof)) cycle
                most(dof) = l%slip(j, dof)
@@ -89,7 +90,7 @@ contains
                trial(dof) = joint%friction(j, dof) + l%k(j, dof)*(q(i, dof) - before(i, dof))
                ratio(dof) = abs(trial(dof))/max(most(dof), TINY_VALUE)
             end do
-            call share(l%combined(j, :), ratio)
+            call share(l%combined(j, :) > 0.0_wp .and. most > TINY_VALUE, ratio)
             do dof = 1, NDOF
                if (.not. has(dof)) cycle
                call bring_back(h, l%k(j, dof), l%cr(j)*sqrt(l%k(j, dof)*batch%inertia(j, dof)), &
@@ -107,15 +108,15 @@ contains
    !> Combined directions, translations and rotations for themselves, have one ratio of trial to
    !> limit
    pure subroutine share(combined, ratio)
-      real(wp), intent(in) :: combined(NDOF)
+      logical, intent(in) :: combined(NDOF)      !! and not without any friction now
       real(wp), intent(inout) :: ratio(NDOF)
 
       integer :: s
 
       do s = 1, 4, 3
-         if (.not. any(combined(s:s + 2) > 0.0_wp)) cycle
-         where (combined(s:s + 2) > 0.0_wp) &
-            ratio(s:s + 2) = norm2(combined(s:s + 2)*ratio(s:s + 2))
+         if (count(combined(s:s + 2)) < 2) cycle
+         where (combined(s:s + 2)) &
+            ratio(s:s + 2) = norm2(pack(ratio(s:s + 2), combined(s:s + 2)))
       end do
    end subroutine share
 

@@ -17,7 +17,7 @@ module accuracy_order
 
 contains
 
-   !> Order 2 in pose and velocity for one joint type and both skew flags
+   !> Order 2 in pose and velocity for one joint type and both skew flags (rkmk4: 4)
    subroutine check_order(check, type, integrator)
       type(check_t), intent(inout) :: check
       integer, intent(in) :: type
@@ -75,7 +75,11 @@ contains
          write (line, '(a,4es10.2)') '   errors of '//NAMES(k), error
          call say(line)
          write (line, '(a,i0,a,i0,a)') 'order, type ', type, ', skew flag ', flag, ', '//trim(NAMES(k))
-         call within(check, trim(line), slope_of(h, error), 2.0_wp, 0.15_wp)
+         if (options%integrator == 'rkmk4') then
+            call within(check, trim(line), slope_of(h, error), 4.0_wp, 0.4_wp)
+         else
+            call within(check, trim(line), slope_of(h, error), 2.0_wp, 0.15_wp)
+         end if
       end do
    end subroutine fit
 

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""`kjoint study` as a user runs it.
+
+usage: test_study.py KJOINT DECK_FOLDER WORK_FOLDER
+"""
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+
+def study(kjoint, work, *arguments):
+    return subprocess.run([kjoint, "study", *arguments], cwd=work, capture_output=True, text=True, timeout=600)
+
+
+def main(kjoint, decks, work):
+    work = pathlib.Path(work)
+    work.mkdir(parents=True, exist_ok=True)
+    deck = str(pathlib.Path(decks) / "revolute_pendulum_0000.rad")
+
+    done = study(kjoint, work, deck, "--until", "0.2", "--error", "1e-4", "--stiffness", "0.1")
+    assert done.returncode == 0, done.stderr
+    table = json.loads((work / "revolute_pendulum_study.json").read_text())
+    rows = list(csv.DictReader((work / "revolute_pendulum_study.csv").read_text().splitlines()))
+    assert len(table["settings"]) == len(rows) == 4 * 4 + 1
+    for setting, row in zip(table["settings"], rows):
+        assert setting["integrator"] == row["integrator"]
+        assert setting["good"] and row["good"] == "1", setting
+        assert abs(float(row["error"]) - setting["error"]) <= 1e-6 * setting["error"]
+        assert setting["cycles"] > 0 and setting["wall_s"] > 0 and setting["violation_trans"] > 0
+
+    # second order for split2, and the softer joint has about ten times the gap
+    assert abs(table["orders"]["split2"] - 2.0) < 0.15, table["orders"]
+    split2 = [s for s in table["settings"] if s["integrator"] == "split2"]
+    assert 5 < split2[-1]["violation_trans"] / split2[0]["violation_trans"] < 20
+
+    # the one recommendation is the cheapest setting within the wanted error, and runs
+    fit = [s for s in table["settings"] if max(s["error"], s["energy_error"]) <= 1e-4]
+    best = table["settings"][table["recommended"] - 1]
+    assert best["wall_s"] == min(s["wall_s"] for s in fit)
+    assert done.stdout.count("For an error of 1.0E-04: kjoint run") == 1, done.stdout
+    words = table["recommendation"].split(": kjoint ", 1)[1].split("  (")[0].split()
+    run = subprocess.run([kjoint, *words, "-q", "--until", "0.2", "-o", str(work / "run.h5")],
+                         capture_output=True, text=True, timeout=600)
+    assert run.returncode == 0, run.stderr
+
+    # two at a time give the same errors
+    again = study(kjoint, work, deck, "--until", "0.2", "--stiffness", "0.1", "--threads", "2", "--json", "-o", "two")
+    assert again.returncode == 0, again.stderr
+    two = json.loads(again.stdout)
+    assert [s["error"] for s in two["settings"]] == [s["error"] for s in table["settings"]]
+    assert (work / "two.json").exists() and (work / "two.csv").exists()
+
+    # a free body: /DTIX rules its step, and there is no stiffness to scale
+    free = str(pathlib.Path(decks).parent / "tests" / "benchmarks" / "DZHA01" / "DZHA01_0000.rad")
+    done = study(kjoint, work, free, "--until", "4", "--scales", "1,0.5,0.25")
+    assert done.returncode == 0, done.stderr
+    table = json.loads((work / "DZHA01_study.json").read_text())
+    assert len(table["settings"]) == 4 * 3
+    assert abs(table["orders"]["split2"] - 2.0) < 0.15 and abs(table["orders"]["legacy"] - 1.0) < 0.15
+    assert "/DTIX" in table["recommendation"]
+
+    for wrong in (["--scales", "0.1,0.9"], ["--scales", "0.9,x"], ["--stiffness", "-1"], ["--error", "0"]):
+        assert study(kjoint, work, deck, *wrong).returncode == 2, wrong
+    assert study(kjoint, work, "nothing_0000.rad").returncode == 3
+    assert study(kjoint, work, deck, "-o", "no_such_folder/table", "--until", "0.01").returncode == 3
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]) if len(sys.argv) == 4 else __doc__)
