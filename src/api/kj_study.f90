@@ -28,7 +28,8 @@ module kj_study
       real(wp) :: step = 0.0_wp                  !! mean time step
       logical :: by_deck = .false.               !! /DTIX limits it, not the joints
       real(wp) :: wall = 0.0_wp                  !! [s] the solver took, without sampling
-      real(wp) :: per_cycle = 0.0_wp             !! [s] a joint and cycle (a body where there is no joint)
+      !> [s] a joint and cycle (a body where there is no joint)
+      real(wp) :: per_cycle = 0.0_wp
       real(wp) :: error(N_CLASS) = 0.0_wp        !! by CLASSES of kj_study_metric
       real(wp) :: score = 0.0_wp                 !! largest error in displacement and rotation
       real(wp) :: energy = 0.0_wp                !! largest |energy error|, a fraction
@@ -58,7 +59,6 @@ module kj_study
          import :: watcher_t
          class(watcher_t), intent(in) :: self
       end function stop_i
-
       !> Told after each run, by one thread at a time
       subroutine done_i(self, n_done, n_all, trial)
          import :: watcher_t, trial_t
@@ -77,8 +77,10 @@ module kj_study
 
    real(wp), parameter :: DT_SCALES(4) = [0.9_wp, 0.45_wp, 0.225_wp, 0.1125_wp]
    real(wp), parameter :: KN_SCALES(2) = [0.1_wp, 0.01_wp]
-   real(wp), parameter :: FINER = 0.25_wp        !! step of the reference over the shortest of the study
+   !> step of the reference over the shortest of the study
+   real(wp), parameter :: FINER = 0.25_wp
    real(wp), parameter :: SURE = 4.0_wp          !! floor of orders, over the error of the reference
+   real(wp), parameter :: NOISE = 1.25_wp        !! of wall times
    integer, parameter :: FEWEST_ROWS = 20, ROWS = 200   !! where the deck samples too rarely
 
 contains
@@ -87,8 +89,8 @@ contains
       class(pass_on_t), intent(inout) :: self
       type(run_status_t), intent(in) :: status
       logical, intent(out) :: stop
-
-      stop = status%cycle < 0 .or. self%watcher%wants_stop()
+      stop = status%cycle < 0
+      if (.not. stop) stop = self%watcher%wants_stop()
    end subroutine tick
 
    !> Run the reference and all settings.
@@ -101,18 +103,18 @@ contains
       type(study_t), intent(out) :: study
       type(finding_list_t), intent(inout) :: findings
       type(error_t), allocatable, intent(out) :: error
-
       type(study_sink_t) :: reference, sink
       type(run_options_t) :: run
       integer :: i, n_done
-
       call set_reference(options, study%reference%options)
       run = study%reference%options
-      call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, error)
+      call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, &
+         error)
       if (allocated(error)) return
       if (reference%n_row < FEWEST_ROWS) then
          run%sample = reference%t_last/ROWS
-         call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, error)
+         call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, &
+            error)
          if (allocated(error)) return
       end if
       call list_trials(options, study)
@@ -139,7 +141,6 @@ contains
    pure function scales_of(options) result(dt)
       type(study_options_t), intent(in) :: options
       real(wp), allocatable :: dt(:)
-
       dt = DT_SCALES
       if (allocated(options%dt_scale)) dt = options%dt_scale
    end function scales_of
@@ -148,7 +149,6 @@ contains
    pure subroutine set_reference(options, run)
       type(study_options_t), intent(in) :: options
       type(run_options_t), intent(out) :: run
-
       run = options%run
       run%formulation = 'consistent'
       run%integrator = 'split2'
@@ -218,8 +218,9 @@ contains
       end if
       monitor%watcher => watcher
       call run_simulation(sim, sink, monitor, status, error)
-      if (.not. allocated(error) .and. watcher%wants_stop()) &
-         call fail(error, ERR_RUN, 'the study was stopped')
+      if (.not. allocated(error)) then
+         if (watcher%wants_stop()) call fail(error, ERR_RUN, 'the study was stopped')
+      end if
       if (allocated(error)) return
       study%title = simulation_title(sim)
       study%n_joint = status%n_joint
@@ -242,7 +243,8 @@ contains
       run = trial%options
       run%sample = sample
       run%energy_limit = 1.0e6_wp
-      call timed_run(starter, engine, run, watcher, sink, reference%rows(1, :reference%n_row), trial)
+      call timed_run(starter, engine, run, watcher, sink, reference%rows(1, :reference%n_row), &
+         trial)
       if (trial%options%formulation == 'legacy' .and. trial%good) then
          ! its samples are cycles: the cost from the first run, rows from one that samples them all
          run%sample = 0.0_wp
@@ -312,9 +314,12 @@ contains
    !> Observed orders: of each trial against the longer step before it, unless it is as near to the
    !> reference as that is to the truth.
    !>
-   !> The reference has the scheme of the first family and a step FINER times as long as its shortest.
-   !> With second order the last of the family is 1/FINER^2 - 1 errors of the reference away from it;
-   !> and if the last two do not fit second order, the reference is to blame: it has its rounding, too.
+   !> The reference has the scheme of the first family and a step FINER times as long as its
+   !> shortest.
+   !> With second order the last of the family is 1/FINER^2 - 1 errors of the reference away from
+   !> it;
+   !> and if the last two do not fit second order, the reference is to blame: it has its rounding,
+   !> too.
    pure subroutine find_orders(study)
       type(study_t), intent(inout) :: study
 
@@ -376,24 +381,19 @@ contains
       if (sum(x*x) > 0.0_wp) order = sum(x*y)/sum(x*x)
    end function order_of
 
-   !> The cheapest trial whose error in positions, rotations and energy is at most `wanted`; 0 when
-   !> there is none
+   !> The cheapest trial whose error in positions, rotations and energy is at most `wanted`; of
+   !> those that cost the same but for the noise of clocks the first. 0 when there is none.
    pure integer function best_trial(study, wanted) result(best)
       type(study_t), intent(in) :: study
       real(wp), intent(in) :: wanted
 
-      integer :: i
+      logical :: fit(size(study%trial))
 
+      fit = study%trial%good .and. study%trial%score <= wanted .and. study%trial%energy <= wanted
       best = 0
-      do i = 1, size(study%trial)
-         associate (t => study%trial(i))
-            if (.not. t%good .or. max(t%score, t%energy) > wanted) cycle
-            if (best > 0) then
-               if (t%wall >= study%trial(best)%wall) cycle
-            end if
-            best = i
-         end associate
-      end do
+      if (.not. any(fit)) return
+      fit = fit .and. study%trial%wall <= NOISE*minval(study%trial%wall, mask=fit)
+      best = findloc(fit, .true., dim=1)
    end function best_trial
 
 end module kj_study

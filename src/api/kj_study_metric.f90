@@ -36,7 +36,8 @@ module kj_study_metric
       real(wp) :: t_last = 0.0_wp, half_last = 0.0_wp   !! its time, and that of its velocities
       integer :: n_put = 0
       real(wp) :: energy = 0.0_wp               !! largest |energy error| of all rows
-      real(wp) :: gap = 0.0_wp, gap_rot = 0.0_wp   !! largest violation of all rows, length and angle
+      !> largest violation of all rows, length and angle
+      real(wp) :: gap = 0.0_wp, gap_rot = 0.0_wp
    contains
       procedure :: open => open_study
       procedure :: put => put_study
@@ -128,7 +129,8 @@ contains
          if (self%wanted(n + 1) > t + 1.0e-9_wp*abs(t)) return
          n = n + 1
          a = 1.0_wp
-         if (t > t_last .and. self%n_put > 0) a = min(1.0_wp, (self%wanted(n) - t_last)/(t - t_last))
+         if (t > t_last .and. self%n_put > 0) a = min(1.0_wp, &
+            (self%wanted(n) - t_last)/(t - t_last))
          do i = 1, size(self%history%variable)
             associate (v => self%history%variable(i))
                if (channels(v%channel)%at /= merge(AT_HALF, AT_T, half)) cycle
@@ -180,7 +182,8 @@ contains
    !> square over time of one entity's difference, over the peak of the class in the reference.
    !>
    !> Positions and rotations count from the start, so that it does not matter where a scene lies. A
-   !> class in which nothing happens has the error 0; so have moments that are nothing beside what the
+   !> class in which nothing happens has the error 0; so have moments that are nothing beside what
+   !> the
    !> forces do over the way of the scene, and forces beside moments.
    pure function class_errors(ref, run) result(error)
       class(study_sink_t), intent(in) :: ref, run
@@ -202,7 +205,8 @@ contains
             end do
          end associate
       end do
-      peak(5:6) = merge(peak(5:6), 0.0_wp, peak(5:6) > NOTHING*[peak(6)/max(peak(1), tiny(1.0_wp)), &
+      peak(5:6) = merge(peak(5:6), 0.0_wp, peak(5:6) > NOTHING*[peak(6)/max(peak(1), &
+         tiny(1.0_wp)), &
          peak(5)*peak(1)])
       where (peak > 0.0_wp)
          error = error/peak

@@ -46,7 +46,8 @@ contains
       if (self%quiet) return
       buffer = '  failed'
       if (trial%good) write (buffer, '(f10.2,a,i0,a)') trial%wall, ' s  ', trial%cycles, ' cycles'
-      call print_error('run '//str(n_done)//' of '//str(n_all)//': '//trial_name(trial)//trim(buffer))
+      call print_error('run '//str(n_done)//' of '//str(n_all)//': '//trial_name(trial)// &
+         trim(buffer))
    end subroutine run_done
 
    !> Study a deck as the arguments say; everything that is to be said has been said on return
@@ -94,7 +95,8 @@ contains
       end if
       if (args%given(OPT_QUIET)) return
       call print_study(study, args%operand(1)%s, wanted)
-      call print_line('table: '//root//'.json, '//root//'.csv; plot: tools/plot_study.py '//root//'.json')
+      call print_line('table: '//root//'.json, '//root//'.csv; plot: tools/plot_study.py '//root// &
+         '.json')
    end subroutine study_command
 
    !> Options of the command line as the library takes them
@@ -110,9 +112,11 @@ contains
       wanted = WANTED_ERROR
       options%run%ignore_unsupported = args%given(OPT_IGNORE)
       call option_real(args, OPT_UNTIL, 0.0_wp, options%run%until, error)
-      if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%run%sample, error)
+      if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%run%sample, &
+         error)
       if (.not. allocated(error)) call option_real(args, OPT_ERROR, tiny(1.0_wp), wanted, error)
-      if (.not. allocated(error)) call option_list(args, OPT_SCALES, '--scales', options%dt_scale, error)
+      if (.not. allocated(error)) call option_list(args, OPT_SCALES, '--scales', &
+         options%dt_scale, error)
       if (.not. allocated(error)) &
          call option_list(args, OPT_STIFFNESS, '--stiffness', options%kn_scale, error)
       if (allocated(error)) return
@@ -123,7 +127,8 @@ contains
       options%threads = max(1, nint(threads))
    end subroutine take_study_options
 
-   !> Positive numbers with commas between them, descending; not allocated when the option is not given
+   !> Positive numbers with commas between them, descending; not allocated when the option is not
+   !> given
    !>
    !> Errors: ERR_INPUT when one is no number, not positive or larger than the one before it
    subroutine option_list(args, row, name, list, error)
@@ -147,7 +152,8 @@ contains
             if (x >= list(size(list))) status = NUMBER_FINE + 1
          end if
          if (status /= NUMBER_FINE .or. .not. x > 0.0_wp) then
-            call fail(error, ERR_INPUT, name//' needs falling positive numbers with commas between them, not "'// &
+            call fail(error, ERR_INPUT, name// &
+               ' needs falling positive numbers with commas between them, not "'// &
                args%value(row)%s//'"')
             return
          end if

@@ -28,13 +28,16 @@ contains
       call print_line(study%title)
       call print_line('   '//str(study%n_joint)//' joints, '//str(study%n_body)//' rigid bodies')
       call print_line('')
-      call print_line(repeat(' ', 43)//'ns per  ---------- error over the peak, root mean square '// &
+      call print_line(repeat(' ', 43)// &
+         'ns per  ---------- error over the peak, root mean square '// &
          '---------   energy             ')
-      call print_line('scheme  dt-scale     Kn    cycles   wall s   cycle  displac. rotation velocity '// &
+      call print_line('scheme  dt-scale     Kn    cycles   wall s   cycle  displac. '// &
+         'rotation velocity '// &
          'ang.vel.   force   moment     error     gap  order')
       do i = 1, size(study%trial)
          if (i > 1) then
-            if (trial_family(study%trial(i)) /= trial_family(study%trial(i - 1))) call print_line('')
+            if (trial_family(study%trial(i)) /= trial_family(study%trial(i - &
+               1))) call print_line('')
          end if
          call print_line(table_row(study%trial(i)))
       end do
@@ -47,7 +50,8 @@ contains
       end do
       if (len(orders) > 0) call print_line('order in the time step: '//orders(3:))
       write (buffer, '(es8.2)') study%reference%step
-      call print_line('reference: '//trial_name(study%reference)//', '//str(study%reference%cycles)// &
+      call print_line('reference: '//trial_name(study%reference)//', '// &
+         str(study%reference%cycles)// &
          ' cycles of '//trim(buffer)//' on average')
       call print_line('ns per cycle: of a joint (of a body where there is no joint); order: '// &
          'against the row above')
@@ -118,7 +122,8 @@ contains
       character(len=:), allocatable :: text
 
       text = trim(t%options%integrator)//' '//short(t%options%dt_scale)
-      if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) text = text//', Kn x '//short(t%options%kn_scale)
+      if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) text = text//', Kn x '// &
+         short(t%options%kn_scale)
    end function trial_name
 
    function trial_family(t) result(text)
@@ -188,8 +193,10 @@ contains
       character(len=1), parameter :: EOL = new_line('a')
       integer :: i, best
 
-      json = '{'//json_member('deck', json_text(deck))//', '//json_member('title', json_text(study%title))// &
-         ', '//json_member('joints', str(study%n_joint))//', '//json_member('bodies', str(study%n_body))// &
+      json = '{'//json_member('deck', json_text(deck))//', '//json_member('title', &
+         json_text(study%title))// &
+         ', '//json_member('joints', str(study%n_joint))//', '//json_member('bodies', &
+            str(study%n_body))// &
          ','//EOL//json_member('reference', trial_json(study%reference))//','//EOL//'"settings": ['
       do i = 1, size(study%trial)
          if (i > 1) json = json//','
@@ -220,7 +227,8 @@ contains
          json_member('good', trim(merge('true ', 'false', t%good)))
       if (allocated(t%message)) json = json//', '//json_member('message', json_text(t%message))
       if (t%good) then
-         json = json//', '//json_member('cycles', str(t%cycles))//', '//json_member('step', json_real(t%step))// &
+         json = json//', '//json_member('cycles', str(t%cycles))//', '//json_member('step', &
+            json_real(t%step))// &
             ', '//json_member('wall_s', json_real(t%wall))//', '// &
             json_member('ns_per_joint_cycle', json_real(1.0e9_wp*t%per_cycle))//', '// &
             json_member('error', json_real(t%score))
@@ -244,7 +252,8 @@ contains
       character(len=400) :: buffer
       integer :: i, k
 
-      csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,wall_s,ns_per_joint_cycle,error'
+      csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,wall_s,'// &
+         'ns_per_joint_cycle,error'
       do k = 1, N_CLASS
          csv = csv//',error_'//trim(CLASSES(k))
       end do
@@ -254,8 +263,10 @@ contains
             csv = csv//trim(t%options%formulation)//','//trim(t%options%integrator)//','// &
                short(t%options%dt_scale)//','//short(t%options%kn_scale)
             if (t%good) then
-               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%wall, ',', &
-                  1.0e9_wp*t%per_cycle, ',', t%score, (',', t%error(k), k=1, N_CLASS), ',', t%energy, &
+               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%wall, &
+                  ',', &
+                  1.0e9_wp*t%per_cycle, ',', t%score, (',', t%error(k), k=1, N_CLASS), ',', &
+                     t%energy, &
                   ',', t%gap, ',', t%gap_rot, ',', t%order
                csv = csv//trim(buffer)//EOL
             else

@@ -30,7 +30,8 @@ contains
 
    !> Add the limits of joints from..from + n - 1 to the forces of a block.
    !>
-   !> joint%grip, c_limit, stored and flag are set anew; friction, slip_energy, locked, q_lock advance.
+   !> joint%grip, c_limit, stored and flag are set anew; friction, slip_energy, locked, q_lock
+   !> advance.
    pure subroutine add_limits(batch, curves, time, h, from, n, before, q, joint, f, lost)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves

@@ -224,7 +224,8 @@ contains
                x = x(size(x):1:-1)
                y = y(size(y):1:-1)
             end if
-            if (rises .and. any(.not. x(2:) > x(:size(x) - 1))) call report(deck, cards, 'Ascale_x', &
+            if (rises .and. any(.not. x(2:) > x(:size(x) - 1))) call report(deck, cards, &
+               'Ascale_x', &
                SEV_ERROR, &
                'KJ-9146', 'the function has equal abscissae after the move', &
                'scale or shift too extreme', findings)
