@@ -62,6 +62,7 @@ contains
       type(error_t), allocatable :: error
       character(len=:), allocatable :: engine, root, json
       real(wp) :: wanted
+      logical :: well
 
       call watch_signals()
       call take_study_options(args, options, wanted, error)
@@ -73,27 +74,27 @@ contains
       teller%quiet = args%given(OPT_QUIET) .or. args%given(OPT_JSON)
       if (.not. allocated(error)) &
          call run_study(args%operand(1)%s, engine, options, teller, study, findings, error)
-      if (.not. allocated(error)) then
+      if (findings%n_error > 0 .and. allocated(error)) deallocate (error)   ! the findings say it
+      well = findings%n_error == 0 .and. .not. allocated(error)
+      if (well) then
          root = table_root(args)
          json = study_json(study, args%operand(1)%s, wanted)
          call write_file(root//'.json', json, error)
          if (.not. allocated(error)) call write_file(root//'.csv', study_csv(study), error)
+         well = .not. allocated(error)
       end if
       code = exit_code(findings, error)
       if (caught_signal() > 0) code = 128 + caught_signal()
       if (args%given(OPT_JSON)) then
          if (allocated(error)) call add_finding(findings, error)
-         if (allocated(error)) json = '{'//json_member('exit_code', str(code))//', '// &
+         if (.not. well) json = '{'//json_member('exit_code', str(code))//', '// &
             json_member('findings', json_findings(findings))//'}'
          call print_line(json)
          return
       end if
       call print_findings(findings, may_colour(STDERR), .false., args%given(OPT_QUIET))
-      if (allocated(error)) then
-         if (findings%n_error == 0) call print_failure(error, may_colour(STDERR))
-         return
-      end if
-      if (args%given(OPT_QUIET)) return
+      if (allocated(error)) call print_failure(error, may_colour(STDERR))
+      if (args%given(OPT_QUIET) .or. .not. well) return
       call print_study(study, args%operand(1)%s, wanted)
       call print_line('table: '//root//'.json, '//root//'.csv; plot: tools/plot_study.py '//root// &
          '.json')
