@@ -3,10 +3,13 @@ module kj_c_batch
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF, FRAME_FIRST, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE
+   use kj_joint_frame, only: BLOCK
    implicit none
    private
 
-   public :: c_batch_t, c_joint_t, new_c_joint, new_c_limits, chart_of
+   public :: c_batch_t, c_joint_t, new_c_joint, new_c_limits, chart_of, matrix_of
+
+   integer, parameter, public :: N_B = 36             !! numbers of the matrix B of a joint
 
    !> Coordinates of the rotations
    integer, parameter, public :: CHART_TWIST = 1      !! at most one free rotation
@@ -48,14 +51,12 @@ module kj_c_batch
       real(wp), allocatable :: fd(:, :)          !! (n, 6) damping force on node 1
       !> (n) work done on springs and on dampers
       real(wp), allocatable :: elastic(:), dissipated(:)
-      real(wp), allocatable :: e(:, :)           !! (n, 9) frame E1 E2 E3, W
-      real(wp), allocatable :: dir(:, :)         !! (n, 9) force of each unit translation, W
-      real(wp), allocatable :: m1(:, :), m2(:, :)   !! (n, 9) moments on leads 1, 2 of each
-      !> (n, 9) moment on body 1 of each unit damping moment
-      real(wp), allocatable :: rot(:, :)
+      !> (BLOCK, N_B, blocks) the matrix B block by block, see kj_c_chart: columns 1-9 force of each
+      !> unit translation, 10-18 and 19-27 moments on leads 1 and 2 of each, 28-36 moment on body 1
+      !> of each unit damping moment; W
+      real(wp), allocatable :: b(:, :, :)
       !> (n, 6) rates with the velocities of the half step
       real(wp), allocatable :: qd(:, :)
-      real(wp), allocatable :: ortho(:)          !! (n) e2.e3 of a universal frame
       ! of limited batches only
       real(wp), allocatable :: friction(:, :)    !! (n, 6) friction on node 1, part of fe
       real(wp), allocatable :: grip(:, :)        !! (n, 6) limit of friction, now; 0 = none
@@ -84,10 +85,18 @@ contains
       type(c_joint_t), intent(out) :: joint
 
       allocate (joint%q(n, 6), joint%fe(n, 6), joint%fd(n, 6), joint%elastic(n), &
-         joint%dissipated(n), &
-         joint%e(n, 9), joint%dir(n, 9), joint%m1(n, 9), joint%m2(n, 9), joint%rot(n, 9), &
-         joint%qd(n, 6), joint%ortho(n), source=0.0_wp)
+         joint%dissipated(n), joint%b(BLOCK, N_B, (n + BLOCK - 1)/BLOCK), joint%qd(n, 6), &
+         source=0.0_wp)
    end subroutine new_c_joint
+
+   !> The matrix B of one joint
+   pure function matrix_of(joint, i) result(b)
+      type(c_joint_t), intent(in) :: joint
+      integer, intent(in) :: i
+      real(wp) :: b(N_B)
+
+      b = joint%b(modulo(i - 1, BLOCK) + 1, :, (i - 1)/BLOCK + 1)
+   end function matrix_of
 
    !> State of the limits of n joints, all at rest
    pure subroutine new_c_limits(n, joint)

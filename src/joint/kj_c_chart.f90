@@ -8,13 +8,16 @@
 !> Source: consistent.md 1.
 module kj_c_chart
    use kj_kinds, only: wp
+   use kj_math3, only: angles
    use kj_joint_frame, only: BLOCK
    implicit none
    private
 
-   public :: relative_pose, twist_chart, vector_chart, universal_chart, first_skew, quaternion_frame
+   public :: relative_pose, twist_chart, vector_chart, first_skew, quaternion_frame, couple
+   public :: count_turns
 
    real(wp), parameter :: TWO_PI = 6.28318530717958647692528676656_wp
+   real(wp), parameter :: SMALL = 1.0e-3_wp          !! angle below which a series is exact [rad]
 
 contains
 
@@ -114,6 +117,36 @@ contains
       end do
    end subroutine couple
 
+   !> The nearest whole number, without a branch; |x| < 2^51
+   elemental real(wp) function whole(x)
+      real(wp), intent(in) :: x
+
+      real(wp), parameter :: SHIFT = 1.5_wp/epsilon(1.0_wp)
+
+      whole = (x + SHIFT) - SHIFT
+   end function whole
+
+   !> Is a whole number odd?
+   elemental logical function odd(x)
+      real(wp), intent(in) :: x
+
+      odd = abs(0.5_wp*x - whole(0.5_wp*x)) > 0.25_wp
+   end function odd
+
+   !> An angle of each joint on the branch nearest to the last one
+   pure subroutine count_turns(n, angle, last)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: angle(BLOCK)          !! but for whole turns
+      real(wp), intent(inout) :: last(BLOCK)        !! last angle in, new one out
+
+      integer :: i
+
+      !$omp simd
+      do i = 1, n
+         last(i) = angle(i) + TWO_PI*whole((last(i) - angle(i))*(1.0_wp/TWO_PI))
+      end do
+   end subroutine count_turns
+
    !> At most one free rotation: swing and twist, p = h s h, theta_x = 2 atan2(px, p0) counted over
    !> turns, theta_y = 2 py, theta_z = 2 pz. Gives the mean frame E = E1 h s^1/2 and its couples
    !> too.
@@ -127,26 +160,26 @@ contains
       real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
       real(wp), intent(out) :: rot(BLOCK, 9)
 
-      real(wp) :: d(BLOCK, 9), s0(BLOCK), c, s, y, z
+      real(wp) :: d(BLOCK, 9), s0(BLOCK), inverse(BLOCK), c, s, y, z
       integer :: i, k
 
-      do i = 1, n
-         call unwrap(theta(i, 1), p(i, :))
-         s0(i) = sqrt(p(i, 1)**2 + p(i, 2)**2)
-         theta(i, 2) = 2.0_wp*p(i, 3)
-         theta(i, 3) = 2.0_wp*p(i, 4)
-      end do
+      call unwrap(n, p, theta, s0)
       call quaternion_frame(n, t1, d)
+      !$omp simd
+      do i = 1, n
+         inverse(i) = 1.0_wp/s0(i)
+      end do
       do k = 0, 2
          !$omp simd private(c, s, y, z)
          do i = 1, n
-            c = p(i, 1)/s0(i)
-            s = p(i, 2)/s0(i)
+            c = p(i, 1)*inverse(i)
+            s = p(i, 2)*inverse(i)
             y = d(i, 4 + k)
             z = d(i, 7 + k)
             d(i, 4 + k) = c*y + s*z
             d(i, 7 + k) = c*z - s*y
-            rot(i, 1 + k) = d(i, 1 + k) + (p(i, 4)*d(i, 4 + k) - p(i, 3)*d(i, 7 + k))/s0(i)
+            rot(i, 1 + k) = d(i, 1 + k) + &
+               (p(i, 4)*d(i, 4 + k) - p(i, 3)*d(i, 7 + k))*inverse(i)
             rot(i, 4 + k) = s0(i)*d(i, 4 + k) - p(i, 4)*d(i, 1 + k)
             rot(i, 7 + k) = s0(i)*d(i, 7 + k) + p(i, 3)*d(i, 1 + k)
          end do
@@ -154,18 +187,29 @@ contains
       if (mean) call mean_twist(n, d, p, s0, r, rot, e, a1, a2)
    end subroutine twist_chart
 
-   !> Twist of p nearest to the last one; p gets the sign that goes with it
-   pure subroutine unwrap(twist, p)
-      real(wp), intent(inout) :: twist
-      real(wp), intent(inout) :: p(4)
+   !> Twist of p nearest to the last one, the other two angles, and cos(swing/2); p gets the sign
+   !> that goes with the twist
+   pure subroutine unwrap(n, p, theta, s0)
+      integer, intent(in) :: n
+      real(wp), intent(inout) :: p(BLOCK, 4), theta(BLOCK, 3)
+      real(wp), intent(out) :: s0(BLOCK)
 
-      real(wp) :: principal
-      integer :: turns
+      real(wp) :: half(BLOCK), turns, sign
+      integer :: i, k
 
-      principal = 2.0_wp*atan2(p(2), p(1))
-      turns = nint((twist - principal)/TWO_PI)
-      if (modulo(turns, 2) == 1) p = -p
-      twist = principal + TWO_PI*turns
+      call angles(n, p(:, 2), p(:, 1), half)
+      !$omp simd private(turns, sign, k)
+      do i = 1, n
+         turns = whole((theta(i, 1) - 2.0_wp*half(i))*(1.0_wp/TWO_PI))
+         theta(i, 1) = 2.0_wp*half(i) + TWO_PI*turns
+         sign = merge(-1.0_wp, 1.0_wp, odd(turns))
+         do k = 1, 4
+            p(i, k) = sign*p(i, k)
+         end do
+         theta(i, 2) = 2.0_wp*p(i, 3)
+         theta(i, 3) = 2.0_wp*p(i, 4)
+         s0(i) = sqrt(p(i, 1)**2 + p(i, 2)**2)
+      end do
    end subroutine unwrap
 
    !> Frame E = D s^1/2 with s = (s0, 0, py, pz), and couples on the bodies when E turns with
@@ -175,44 +219,49 @@ contains
       real(wp), intent(in) :: d(BLOCK, 9), p(BLOCK, 4), s0(BLOCK), r(BLOCK, 3), rot(BLOCK, 9)
       real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
 
-      real(wp) :: r0, ry, rz, y(BLOCK, 3), a, b, c, g_y, g_z, g_0, h(3)
-      integer :: i, j, k
+      real(wp), dimension(BLOCK) :: r0, ry, rz, inverse, part
+      real(wp) :: y(BLOCK, 3), a, b, c, g_y, g_z, g_0, h1, h2, h3
+      integer :: i, k
 
+      !$omp simd
+      do i = 1, n
+         r0(i) = sqrt(0.5_wp*(1.0_wp + s0(i)))
+         inverse(i) = 1.0_wp/r0(i)
+         part(i) = 0.5_wp/s0(i)
+         ry(i) = 0.5_wp*p(i, 3)*inverse(i)
+         rz(i) = 0.5_wp*p(i, 4)*inverse(i)
+      end do
       do k = 0, 2
-         !$omp simd private(r0, ry, rz)
+         !$omp simd
          do i = 1, n
-            r0 = sqrt(0.5_wp*(1.0_wp + s0(i)))
-            ry = 0.5_wp*p(i, 3)/r0
-            rz = 0.5_wp*p(i, 4)/r0
-            e(i, 1 + k) = (1.0_wp - 2.0_wp*(ry*ry + rz*rz))*d(i, 1 + k) + &
-               2.0_wp*r0*rz*d(i, 4 + k) - &
-               2.0_wp*r0*ry*d(i, 7 + k)
-            e(i, 4 + k) = -2.0_wp*r0*rz*d(i, 1 + k) + (1.0_wp - 2.0_wp*rz*rz)*d(i, 4 + k) + &
-               2.0_wp*ry*rz*d(i, 7 + k)
-            e(i, 7 + k) = 2.0_wp*r0*ry*d(i, 1 + k) + 2.0_wp*ry*rz*d(i, 4 + k) + &
-               (1.0_wp - 2.0_wp*ry*ry)*d(i, 7 + k)
+            e(i, 1 + k) = (1.0_wp - 2.0_wp*(ry(i)*ry(i) + rz(i)*rz(i)))*d(i, 1 + k) + &
+               2.0_wp*r0(i)*(rz(i)*d(i, 4 + k) - ry(i)*d(i, 7 + k))
+            e(i, 4 + k) = -2.0_wp*r0(i)*rz(i)*d(i, 1 + k) + &
+               (1.0_wp - 2.0_wp*rz(i)*rz(i))*d(i, 4 + k) + 2.0_wp*ry(i)*rz(i)*d(i, 7 + k)
+            e(i, 7 + k) = 2.0_wp*r0(i)*ry(i)*d(i, 1 + k) + 2.0_wp*ry(i)*rz(i)*d(i, 4 + k) + &
+               (1.0_wp - 2.0_wp*ry(i)*ry(i))*d(i, 7 + k)
          end do
       end do
       do k = 1, 7, 3
          call couple(n, r, e(:, k:k + 2), y)
-         !$omp simd private(r0, ry, rz, a, b, c, g_y, g_z, g_0, h, j)
+         !$omp simd private(a, b, c, g_y, g_z, g_0, h1, h2, h3)
          do i = 1, n
-            r0 = sqrt(0.5_wp*(1.0_wp + s0(i)))
-            ry = 0.5_wp*p(i, 3)/r0
-            rz = 0.5_wp*p(i, 4)/r0
             a = e(i, 1)*y(i, 1) + e(i, 2)*y(i, 2) + e(i, 3)*y(i, 3)
             b = e(i, 4)*y(i, 1) + e(i, 5)*y(i, 2) + e(i, 6)*y(i, 3)
             c = e(i, 7)*y(i, 1) + e(i, 8)*y(i, 2) + e(i, 9)*y(i, 3)
-            g_y = 2.0_wp*(a*rz + b*r0)
-            g_z = 2.0_wp*(c*r0 - a*ry)
-            g_0 = -2.0_wp*(b*ry + c*rz) - 0.5_wp*(g_y*p(i, 3) + g_z*p(i, 4))/r0**2
-            h(1) = 0.5_wp*(d(i, 1)*y(i, 1) + d(i, 2)*y(i, 2) + d(i, 3)*y(i, 3))
-            h(2) = 0.25_wp*(g_y - 0.5_wp*g_0*p(i, 3)/s0(i))/r0
-            h(3) = 0.25_wp*(g_z - 0.5_wp*g_0*p(i, 4)/s0(i))/r0
-            do j = 0, 2
-               a2(i, k + j) = h(1)*rot(i, 1 + j) + h(2)*rot(i, 4 + j) + h(3)*rot(i, 7 + j)
-               a1(i, k + j) = y(i, 1 + j) - a2(i, k + j)
-            end do
+            g_y = 2.0_wp*(a*rz(i) + b*r0(i))
+            g_z = 2.0_wp*(c*r0(i) - a*ry(i))
+            g_0 = -2.0_wp*(b*ry(i) + c*rz(i)) - &
+               0.5_wp*(g_y*p(i, 3) + g_z*p(i, 4))*inverse(i)**2
+            h1 = 0.5_wp*(d(i, 1)*y(i, 1) + d(i, 2)*y(i, 2) + d(i, 3)*y(i, 3))
+            h2 = 0.25_wp*(g_y - g_0*p(i, 3)*part(i))*inverse(i)
+            h3 = 0.25_wp*(g_z - g_0*p(i, 4)*part(i))*inverse(i)
+            a2(i, k) = h1*rot(i, 1) + h2*rot(i, 4) + h3*rot(i, 7)
+            a2(i, k + 1) = h1*rot(i, 2) + h2*rot(i, 5) + h3*rot(i, 8)
+            a2(i, k + 2) = h1*rot(i, 3) + h2*rot(i, 6) + h3*rot(i, 9)
+            a1(i, k) = y(i, 1) - a2(i, k)
+            a1(i, k + 1) = y(i, 2) - a2(i, k + 1)
+            a1(i, k + 2) = y(i, 3) - a2(i, k + 2)
          end do
       end do
    end subroutine mean_twist
@@ -220,139 +269,114 @@ contains
    !> Three free rotations: rotation vector of p on the branch nearest to the last one, in the frame
    !> Em = E1 Exp(theta/2): rot = Em T, T = n n^T + (a/2)/sin(a/2) (1 - n n^T).
    !> Mean translations: A1^T = 1/2 - 1/2 tan(a/4) [n], A2^T = 1/2 + 1/2 tan(a/4) [n]. That is
-   !> singular
-   !> at a whole turn; joints whose translations need no frame (plain) take that of body 1.
+   !> singular at a whole turn; joints whose translations need no frame (plain) take that of body 1.
    pure subroutine vector_chart(n, mean, plain, t1, p, r, theta, e, a1, a2, rot, em)
       integer, intent(in) :: n
       logical, intent(in) :: mean                   !! fill e, a1, a2
-      logical, intent(in) :: plain(BLOCK)
+      real(wp), intent(in) :: plain(BLOCK)          !! 1 for a plain joint, else 0
       real(wp), intent(in) :: t1(BLOCK, 4), p(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(inout) :: theta(BLOCK, 3)    !! last rotation vector in, new one out
       real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
       real(wp), intent(out) :: rot(BLOCK, 9)
       real(wp), intent(out) :: em(BLOCK, 9)         !! the frame Em
 
-      real(wp) :: half(BLOCK, 4), q(BLOCK, 4), axis(BLOCK, 3), a(BLOCK), t, g
-      integer :: i, j, k
+      real(wp) :: half(BLOCK, 4), q(BLOCK, 4), axis(BLOCK, 3), g(BLOCK), t(BLOCK), along
+      integer :: i, k
 
-      do i = 1, n
-         call nearest_vector(p(i, :), theta(i, :), axis(i, :), a(i))
-         half(i, 1) = cos(0.25_wp*a(i))
-         half(i, 2:4) = sin(0.25_wp*a(i))*axis(i, :)
-      end do
+      call nearest_vector(n, p, theta, axis, half, g, t)
       call multiply(n, t1, half, q)
       call quaternion_frame(n, q, em)
-      do i = 1, n
-         g = 1.0_wp + a(i)**2/24.0_wp               ! (a/2)/sin(a/2) of a small angle
-         if (abs(a(i)) > 1.0e-3_wp) g = 0.5_wp*a(i)/sin(0.5_wp*a(i))
-         do k = 1, 3
-            do j = 1, 3
-               rot(i, 3*k - 3 + j) = g*em(i, 3*k - 3 + j) + (1.0_wp - g)*axis(i, k)* &
-                  (em(i, j)*axis(i, 1) + em(i, 3 + j)*axis(i, 2) + em(i, 6 + j)*axis(i, 3))
-            end do
+      do k = 0, 2
+         !$omp simd private(along)
+         do i = 1, n
+            along = em(i, 1 + k)*axis(i, 1) + em(i, 4 + k)*axis(i, 2) + em(i, 7 + k)*axis(i, 3)
+            rot(i, 1 + k) = g(i)*em(i, 1 + k) + (1.0_wp - g(i))*axis(i, 1)*along
+            rot(i, 4 + k) = g(i)*em(i, 4 + k) + (1.0_wp - g(i))*axis(i, 2)*along
+            rot(i, 7 + k) = g(i)*em(i, 7 + k) + (1.0_wp - g(i))*axis(i, 3)*along
+            q(i, 2 + k) = along
          end do
       end do
       if (.not. mean) return
       call quaternion_frame(n, t1, e)
-      do i = 1, n
-         if (.not. plain(i)) e(i, :) = em(i, :)
-      end do
-      do k = 1, 7, 3
-         call couple(n, r, e(:, k:k + 2), a2(:, k:k + 2))
+      do k = 1, 9
+         !$omp simd
          do i = 1, n
-            if (plain(i)) then
-               a1(i, k:k + 2) = a2(i, k:k + 2)
-               a2(i, k:k + 2) = 0.0_wp
-               cycle
-            end if
-            t = tan(0.25_wp*a(i))
-            associate (y => a2(i, k:k + 2))
-               q(i, 2:4) = t*(em(i, 1:3)*axis(i, 1) + em(i, 4:6)*axis(i, 2) + em(i, 7:9)*axis(i, 3))
-               a1(i, k) = q(i, 3)*y(3) - q(i, 4)*y(2)
-               a1(i, k + 1) = q(i, 4)*y(1) - q(i, 2)*y(3)
-               a1(i, k + 2) = q(i, 2)*y(2) - q(i, 3)*y(1)
-            end associate
-            q(i, 2:4) = a1(i, k:k + 2)
-            a1(i, k:k + 2) = 0.5_wp*(a2(i, k:k + 2) - q(i, 2:4))
-            a2(i, k:k + 2) = 0.5_wp*(a2(i, k:k + 2) + q(i, 2:4))
+            e(i, k) = merge(e(i, k), em(i, k), plain(i) > 0.5_wp)
          end do
       end do
+      call mean_vector(n, plain, q(:, 2:4), t, r, e, a1, a2)
    end subroutine vector_chart
 
-   !> Rotation vector angle*axis of p nearest to the last vector; axis (1, 0, 0) for no turn at all
-   pure subroutine nearest_vector(p, theta, axis, angle)
-      real(wp), intent(in) :: p(4)
-      real(wp), intent(inout) :: theta(3)
-      real(wp), intent(out) :: axis(3), angle
-
-      real(wp) :: s, last
-
-      last = norm2(theta)
-      s = norm2(p(2:4))
-      axis = [1.0_wp, 0.0_wp, 0.0_wp]
-      if (s > 0.0_wp) axis = p(2:4)/s
-      angle = 2.0_wp*atan2(s, p(1))
-      if (last > 0.0_wp) angle = angle + TWO_PI*nint((dot_product(theta, axis) - angle)/TWO_PI)
-      if (last <= 0.0_wp .and. angle > 0.5_wp*TWO_PI) angle = angle - TWO_PI
-      theta = angle*axis
-   end subroutine nearest_vector
-
-   !> Universal: e2 carried by body 1, e3 by body 2, e1 = e2 x e3 normalised; coordinates on the
-   !> dual
-   !> basis G = E^-1. theta_1 = angle(e2, e3) less its start value, theta_2 and theta_3 turn about
-   !> e2
-   !> and e3 from where e1 stood at the start, counted over turns; theta' = G (w2 - w1) exactly.
-   !> Triads: body 1 carries (e1, e2, e1 x e2) of the start, body 2 (e1, e3 x e1, e3).
-   pure subroutine universal_chart(n, t1, t2, r, angle0, theta, xl, e, dual, a1, a2, ortho)
+   !> Couples of the mean frame of three free rotations: half of r x e each, and t n x (r x e)/2
+   !> more on body 2 than on body 1, t = tan(a/4)
+   pure subroutine mean_vector(n, plain, axis, t, r, e, a1, a2)
       integer, intent(in) :: n
-      real(wp), intent(in) :: t1(BLOCK, 4), t2(BLOCK, 4), r(BLOCK, 3)
-      real(wp), intent(in) :: angle0(BLOCK)          !! angle(e2, e3) at the start
-      real(wp), intent(inout) :: theta(BLOCK, 3)     !! last angles in, new angles out
-      real(wp), intent(out) :: xl(BLOCK, 3)          !! G r
-      real(wp), intent(out) :: e(BLOCK, 9)           !! e1, e2, e3
-      real(wp), intent(out) :: dual(BLOCK, 9)        !! force and moment of a unit coordinate
+      real(wp), intent(in) :: plain(BLOCK)          !! 1 for a plain joint, else 0
+      real(wp), intent(in) :: axis(BLOCK, 3)        !! n, W
+      real(wp), intent(in) :: t(BLOCK), r(BLOCK, 3), e(BLOCK, 9)
       real(wp), intent(out) :: a1(BLOCK, 9), a2(BLOCK, 9)
-      real(wp), intent(out) :: ortho(BLOCK)          !! e2.e3
 
-      real(wp) :: b1(BLOCK, 9), b2(BLOCK, 9), s, c1, u(3), v(3), m(3), f(3), fp(3), new(3)
-      integer :: i, k
+      real(wp) :: y(BLOCK, 3), z(BLOCK, 3), part
+      integer :: i, j, k
 
-      call quaternion_frame(n, t1, b1)
-      call quaternion_frame(n, t2, b2)
-      do i = 1, n
-         u = b1(i, 4:6)
-         v = b2(i, 7:9)
-         m = cross3(u, v)
-         s = norm2(m)
-         m = m/s
-         ortho(i) = dot_product(u, v)
-         e(i, :) = [m, u, v]
-         dual(i, 1:3) = m
-         dual(i, 4:6) = cross3(v, m)/s
-         dual(i, 7:9) = cross3(m, u)/s
-         xl(i, :) = [(dot_product(dual(i, 3*k - 2:3*k), r(i, :)), k=1, 3)]
-         new(1) = atan2(s, ortho(i)) - angle0(i)
-         new(2) = atan2(dot_product(u, cross3(b1(i, 1:3), m)), dot_product(b1(i, 1:3), m))
-         new(3) = atan2(dot_product(v, cross3(m, b2(i, 1:3))), dot_product(m, b2(i, 1:3)))
-         new(2:3) = new(2:3) + TWO_PI*nint((theta(i, 2:3) - new(2:3))/TWO_PI)
-         theta(i, :) = new
-         c1 = xl(i, 1)/s
-         do k = 1, 7, 3
-            f = dual(i, k:k + 2)
-            fp = f - dot_product(f, m)*m
-            a1(i, k:k + 2) = xl(i, 2)*cross3(u, f) + c1*(dot_product(fp, u)*v - ortho(i)*fp)
-            a2(i, k:k + 2) = xl(i, 3)*cross3(v, f) + c1*(ortho(i)*fp - dot_product(fp, v)*u)
+      do k = 1, 7, 3
+         call couple(n, r, e(:, k:k + 2), y)
+         call couple(n, axis, y, z)
+         do j = 0, 2
+            !$omp simd private(part)
+            do i = 1, n
+               part = 0.5_wp*(y(i, 1 + j) + t(i)*z(i, 1 + j))
+               a2(i, k + j) = merge(0.0_wp, part, plain(i) > 0.5_wp)
+               a1(i, k + j) = y(i, 1 + j) - a2(i, k + j)
+            end do
          end do
       end do
-   end subroutine universal_chart
+   end subroutine mean_vector
 
-   pure function cross3(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3)
+   !> Rotation vector a*axis of p nearest to the last vector; axis (1, 0, 0) for no turn at all
+   pure subroutine nearest_vector(n, p, theta, axis, half, g, t)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: p(BLOCK, 4)
+      real(wp), intent(inout) :: theta(BLOCK, 3)    !! last vector in, new one out
+      real(wp), intent(out) :: axis(BLOCK, 3)
+      real(wp), intent(out) :: half(BLOCK, 4)       !! quaternion of half the turn, but for its sign
+      real(wp), intent(out) :: g(BLOCK), t(BLOCK)   !! (a/2)/sin(a/2), tan(a/4)
 
-      c(1) = a(2)*b(3) - a(3)*b(2)
-      c(2) = a(3)*b(1) - a(1)*b(3)
-      c(3) = a(1)*b(2) - a(2)*b(1)
-   end function cross3
+      real(wp) :: a(BLOCK), s(BLOCK), c(BLOCK), part, turns, inverse, half_c, half_s
+      logical :: turned
+      integer :: i
+
+      !$omp simd
+      do i = 1, n
+         s(i) = sqrt(p(i, 2)**2 + p(i, 3)**2 + p(i, 4)**2)
+         c(i) = abs(p(i, 1))
+      end do
+      call angles(n, s, c, a)
+      !$omp simd private(part, turns, inverse, half_c, half_s, turned)
+      do i = 1, n
+         inverse = sign(1.0_wp, p(i, 1))/max(s(i), tiny(s))
+         axis(i, 1) = merge(p(i, 2)*inverse, 1.0_wp, s(i) > 0.0_wp)
+         axis(i, 2) = p(i, 3)*inverse
+         axis(i, 3) = p(i, 4)*inverse
+         turns = whole((theta(i, 1)*axis(i, 1) + theta(i, 2)*axis(i, 2) + &
+            theta(i, 3)*axis(i, 3) - 2.0_wp*a(i))*(1.0_wp/TWO_PI))
+         a(i) = 2.0_wp*a(i) + TWO_PI*turns
+         theta(i, 1) = a(i)*axis(i, 1)
+         theta(i, 2) = a(i)*axis(i, 2)
+         theta(i, 3) = a(i)*axis(i, 3)
+         turned = odd(turns)
+         half_c = sqrt(0.5_wp*(1.0_wp + c(i)))
+         half_s = 0.5_wp*s(i)/half_c
+         half(i, 1) = merge(-half_s, half_c, turned)
+         part = merge(half_c, half_s, turned)
+         half(i, 2) = part*axis(i, 1)
+         half(i, 3) = part*axis(i, 2)
+         half(i, 4) = part*axis(i, 3)
+         t(i) = part/merge(-max(half_s, tiny(s)), half_c, turned)
+         part = merge(-s(i), s(i), turned)
+         g(i) = merge(0.5_wp*a(i), 1.0_wp + a(i)**2/24.0_wp, abs(a(i)) > SMALL)/ &
+            merge(part, 1.0_wp, abs(a(i)) > SMALL)
+      end do
+   end subroutine nearest_vector
 
 end module kj_c_chart

@@ -1,6 +1,5 @@
 !> Forces of the joints of a batch under the consistent formulation: pass 1 of a step, coordinates
-!> and
-!> springs from the poses. Pass 2, the dampers, is in kj_c_damper.
+!> and springs from the poses. Pass 2, the dampers, is in kj_c_damper.
 !> Source: consistent.md 1.
 module kj_c_force
    use kj_kinds, only: wp
@@ -8,13 +7,14 @@ module kj_c_force
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
    use kj_joint_frame, only: BLOCK
-   use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR
+   use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, N_B
    use kj_c_limit, only: add_limits
-   use kj_c_chart, only: relative_pose, twist_chart, vector_chart, universal_chart, first_skew
+   use kj_c_chart, only: relative_pose, twist_chart, vector_chart, first_skew
+   use kj_c_universal, only: universal_chart
    implicit none
    private
 
-   public :: poses_t, add_springs, joint_rates, rates, put_wrench
+   public :: poses_t, add_springs, joint_rates, rates, put_wrench, add_moment
 
    !> force on end 1, moment about lead 1, about lead 2
    integer, parameter, public :: N_C_WRENCH = 9
@@ -38,7 +38,9 @@ module kj_c_force
 contains
 
    !> Pass 1 for joints lo..hi: coordinates, B, spring forces, spring work, rates with the
-   !> velocities of the half step; wrench of the springs and of the dampers as they were
+   !> velocities of the half step; wrench of the springs and of the dampers as they were.
+   !>
+   !> lo is the first joint of a block: a multiple of BLOCK, plus 1.
    pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
@@ -47,43 +49,60 @@ contains
       type(c_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_C_WRENCH, all joints)
 
-      real(wp), dimension(BLOCK, 9) :: e, dir, m1, m2, rot, rot_d
-      real(wp) :: q(BLOCK, 6), f(BLOCK, 6), ortho(BLOCK), lost(BLOCK), change
-      integer :: from, to, n, i, k
+      real(wp) :: q(BLOCK, 6), f(BLOCK, 6), rot(BLOCK, 9), moment(BLOCK, 3), lost(BLOCK)
+      integer :: from, to, n, at, k
+      logical :: sprung
 
+      sprung = batch%limited .or. any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
-         q(:n, :) = joint%q(from:to, :)
-         call coordinates(batch, poses, from, n, q, e, dir, m1, m2, rot, rot_d, ortho)
+         at = (from - 1)/BLOCK + 1
+         call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
          call laws(batch, curves, poses, from, n, q, joint, f, lost)
-         do k = 1, NDOF
-            do i = 1, n
-               change = q(i, k) - joint%q(from + i - 1, k)
-               joint%elastic(from + i - 1) = joint%elastic(from + i - 1) + &
-                  0.5_wp*change*(f(i, k) + joint%fe(from + i - 1, k))
-            end do
-         end do
+         call keep_coordinates(from, n, q, f, joint)
          if (batch%limited) then
             joint%elastic(from:to) = joint%elastic(from:to) - lost(:n)
             joint%dissipated(from:to) = joint%dissipated(from:to) + lost(:n)
          end if
-         joint%q(from:to, :) = q(:n, :)
-         joint%fe(from:to, :) = f(:n, :)
-         joint%e(from:to, :) = e(:n, :)
-         joint%dir(from:to, :) = dir(:n, :)
-         joint%m1(from:to, :) = m1(:n, :)
-         joint%m2(from:to, :) = m2(:n, :)
-         joint%rot(from:to, :) = rot_d(:n, :)
-         joint%ortho(from:to) = ortho(:n)
-         call put_wrench(n, .false., f, dir, m1, m2, rot, wrench(:, batch%first + from:))
-         if (.not. batch%damped) cycle
-         call rates(batch, poses, from, n, dir, m1, m2, rot_d, q)
-         joint%qd(from:to, :) = q(:n, :)
-         f(:n, :) = joint%fd(from:to, :)
-         call put_wrench(n, .true., f, dir, m1, m2, rot_d, wrench(:, batch%first + from:))
+         moment(:n, :) = 0.0_wp
+         if (batch%chart == CHART_VECTOR) then
+            if (sprung) call add_moment(n, f(:, 4:6), rot, moment)
+         else
+            call add_moment(n, f(:, 4:6), joint%b(:, 28:36, at), moment)
+         end if
+         if (batch%damped) then
+            call rates(batch, poses, from, n, joint%b(:, :, at), q)
+            do k = 1, 6
+               joint%qd(from:to, k) = q(:n, k)
+               q(:n, k) = joint%fd(from:to, k)
+            end do
+            f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
+            call add_moment(n, q(:, 4:6), joint%b(:, 28:36, at), moment)
+         end if
+         call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
       end do
    end subroutine add_springs
+
+   !> Keep coordinates and spring forces, and count the work done on the springs
+   pure subroutine keep_coordinates(from, n, q, f, joint)
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: q(BLOCK, 6), f(BLOCK, 6)
+      type(c_joint_t), intent(inout) :: joint
+
+      integer :: i, j, k
+
+      do k = 1, NDOF
+         !$omp simd private(j)
+         do i = 1, n
+            j = from + i - 1
+            joint%elastic(j) = joint%elastic(j) + &
+               0.5_wp*(q(i, k) - joint%q(j, k))*(f(i, k) + joint%fe(j, k))
+            joint%q(j, k) = q(i, k)
+            joint%fe(j, k) = f(i, k)
+         end do
+      end do
+   end subroutine keep_coordinates
 
    !> Forces of springs and limits; joint holds the coordinates of the last step
    pure subroutine laws(batch, curves, poses, from, n, q, joint, f, lost)
@@ -118,66 +137,97 @@ contains
          joint, f, lost)
    end subroutine laws
 
-   !> Coordinates and B of a block; q holds the last coordinates on entry
-   pure subroutine coordinates(batch, poses, from, n, q, e, dir, m1, m2, rot, rot_d, ortho)
+   !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
+   !> not those of B (CHART_VECTOR)
+   pure subroutine coordinates(batch, poses, from, n, last, q, b, rot)
       type(c_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
-      real(wp), intent(inout) :: q(BLOCK, 6)
-      real(wp), dimension(BLOCK, 9), intent(out) :: e, dir, m1, m2, rot, rot_d
-      real(wp), intent(out) :: ortho(BLOCK)
+      real(wp), intent(in) :: last(:, :)            !! (n, 6) last coordinates of the whole batch
+      real(wp), intent(out) :: q(BLOCK, 6)
+      real(wp), intent(inout) :: b(BLOCK, N_B)
+      real(wp), intent(out) :: rot(BLOCK, 9)
 
-      real(wp), dimension(BLOCK, 4) :: q1, q2, t1, t2, p
+      real(wp), dimension(BLOCK, 4) :: t1, t2, p
       real(wp), dimension(BLOCK, 3) :: r, arm1, arm2, xl
-      real(wp) :: c1(BLOCK, 4), c2(BLOCK, 4), a(BLOCK, 3)
-      logical :: plain(BLOCK)
-      integer :: i, k, to
+      real(wp), dimension(BLOCK, 9) :: e
+      real(wp), dimension(BLOCK) :: angle, scalar
+      integer :: i, k
 
-      to = from + n - 1
-      do k = 1, 4
-         q1(:n, k) = poses%quat(batch%lead(from:to, 1), k)
-         q2(:n, k) = poses%quat(batch%lead(from:to, 2), k)
-         c1(:n, k) = batch%triad(from:to, k)
-         c2(:n, k) = batch%triad(from:to, k + 4)
+      do k = 4, 6
+         q(:n, k) = last(from:from + n - 1, k)
       end do
-      a(:n, :) = batch%arm(from:to, 1:3)
-      call turn_arm(n, q1, a, arm1)
-      a(:n, :) = batch%arm(from:to, 4:6)
-      call turn_arm(n, q2, a, arm2)
-      do k = 1, 3
+      call see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
+      if (.not. batch%mean) call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18), b(:, 19:27))
+      select case (batch%chart)
+      case (CHART_TWIST)
+         call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
+            b(:, 19:27), b(:, 28:36))
+      case (CHART_VECTOR)
          do i = 1, n
-            r(i, k) = batch%apart(from + i - 1, k) + (poses%d(batch%lead(from + i - 1, 2), k) - &
-               poses%d(batch%lead(from + i - 1, 1), k)) + (arm2(i, k) - arm1(i, k))
+            scalar(i) = merge(1.0_wp, 0.0_wp, batch%plain(from + i - 1))
+         end do
+         call vector_chart(n, batch%mean, scalar, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
+            b(:, 19:27), rot, b(:, 28:36))
+      case default
+         angle(:n) = batch%angle0(from:from + n - 1)
+         call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b(:, 1:9), b(:, 10:18), &
+            b(:, 19:27), scalar)
+         b(:n, 28:36) = b(:n, 1:9)
+      end select
+      do k = 0, 2
+         !$omp simd
+         do i = 1, n
+            q(i, k + 1) = b(i, 3*k + 1)*r(i, 1) + b(i, 3*k + 2)*r(i, 2) + &
+               b(i, 3*k + 3)*r(i, 3) - batch%xl0(from + i - 1, k + 1)
+         end do
+         call add_lever(n, 1.0_wp, arm1, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 10:3*k + 12))
+         call add_lever(n, -1.0_wp, arm2, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 19:3*k + 21))
+      end do
+   end subroutine coordinates
+
+   !> Triads and arms carried by the two ends, their relative pose, and node 2 from node 1
+   pure subroutine see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
+      type(c_batch_t), intent(in) :: batch
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: from, n
+      real(wp), dimension(BLOCK, 4), intent(out) :: t1, t2, p
+      real(wp), dimension(BLOCK, 3), intent(out) :: arm1, arm2, r
+
+      real(wp), dimension(BLOCK, 4) :: q1, q2, c1, c2
+      real(wp) :: a1(BLOCK, 3), a2(BLOCK, 3)
+      integer :: i, j, k, lead1, lead2
+
+      do i = 1, n
+         j = from + i - 1
+         lead1 = batch%lead(j, 1)
+         lead2 = batch%lead(j, 2)
+         do k = 1, 4
+            q1(i, k) = poses%quat(lead1, k)
+            q2(i, k) = poses%quat(lead2, k)
+         end do
+         do k = 1, 3
+            r(i, k) = poses%d(lead2, k) - poses%d(lead1, k)
+         end do
+      end do
+      do k = 1, 4
+         c1(:n, k) = batch%triad(from:from + n - 1, k)
+         c2(:n, k) = batch%triad(from:from + n - 1, k + 4)
+      end do
+      do k = 1, 3
+         a1(:n, k) = batch%arm(from:from + n - 1, k)
+         a2(:n, k) = batch%arm(from:from + n - 1, k + 3)
+      end do
+      call turn_arm(n, q1, a1, arm1)
+      call turn_arm(n, q2, a2, arm2)
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            r(i, k) = batch%apart(from + i - 1, k) + r(i, k) + (arm2(i, k) - arm1(i, k))
          end do
       end do
       call relative_pose(n, q1, q2, c1, c2, t1, t2, p)
-      ortho = 0.0_wp
-      if (.not. batch%mean) call first_skew(n, t1, r, e, m1, m2)
-      select case (batch%chart)
-      case (CHART_TWIST)
-         call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), e, m1, m2, rot)
-         rot_d(:n, :) = rot(:n, :)
-      case (CHART_VECTOR)
-         plain(:n) = batch%plain(from:to)
-         call vector_chart(n, batch%mean, plain, t1, p, r, q(:, 4:6), e, m1, m2, rot, rot_d)
-      case default
-         ortho(:n) = batch%angle0(from:to)
-         a(:n, 1) = ortho(:n)
-         call universal_chart(n, t1, t2, r, a(:, 1), q(:, 4:6), xl, e, rot, m1, m2, ortho)
-         rot_d(:n, :) = rot(:n, :)
-      end select
-      dir(:n, :) = e(:n, :)
-      if (batch%chart > CHART_VECTOR) dir(:n, :) = rot(:n, :)
-      do k = 0, 2
-         do i = 1, n
-            q(i, k + 1) = dir(i, 3*k + 1)*r(i, 1) + dir(i, 3*k + 2)*r(i, 2) + &
-               dir(i, 3*k + 3)*r(i, 3) - &
-               batch%xl0(from + i - 1, k + 1)
-         end do
-         call add_lever(n, 1.0_wp, arm1, dir(:, 3*k + 1:3*k + 3), m1(:, 3*k + 1:3*k + 3))
-         call add_lever(n, -1.0_wp, arm2, dir(:, 3*k + 1:3*k + 3), m2(:, 3*k + 1:3*k + 3))
-      end do
-   end subroutine coordinates
+   end subroutine see_ends
 
    !> m := m + sign a x f
    pure subroutine add_lever(n, sign, a, f, m)
@@ -242,27 +292,47 @@ contains
       end if
    end subroutine spring
 
-   !> Force on end 1 and moments about the leads of both ends
-   pure subroutine put_wrench(n, add, f, dir, m1, m2, rot, wrench)
+   !> moment := moment + f1 rot1 + f2 rot2 + f3 rot3
+   pure subroutine add_moment(n, f, rot, moment)
       integer, intent(in) :: n
-      logical, intent(in) :: add                 !! to what wrench holds
-      real(wp), intent(in) :: f(BLOCK, 6)
-      real(wp), dimension(BLOCK, 9), intent(in) :: dir, m1, m2, rot
-      real(wp), intent(inout) :: wrench(:, :)
+      real(wp), intent(in) :: f(BLOCK, 3), rot(BLOCK, 9)
+      real(wp), intent(inout) :: moment(BLOCK, 3)
 
-      real(wp) :: moment
       integer :: i, k
 
-      if (.not. add) wrench(:, :n) = 0.0_wp
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            moment(i, k) = moment(i, k) + f(i, 1)*rot(i, k) + f(i, 2)*rot(i, k + 3) + &
+               f(i, 3)*rot(i, k + 6)
+         end do
+      end do
+   end subroutine add_moment
+
+   !> Force on end 1 and moments about the leads of both ends
+   pure subroutine put_wrench(n, f, moment, b, wrench)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: f(BLOCK, 3)         !! forces of the translations
+      real(wp), intent(in) :: moment(BLOCK, 3)    !! of the rotations, on body 1, W
+      real(wp), intent(in) :: b(BLOCK, N_B)
+      real(wp), intent(inout) :: wrench(:, :)     !! (N_C_WRENCH, n and more)
+
+      real(wp) :: w(BLOCK, N_C_WRENCH)
+      integer :: i, k
+
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            w(i, k) = f(i, 1)*b(i, k) + f(i, 2)*b(i, k + 3) + f(i, 3)*b(i, k + 6)
+            w(i, k + 3) = f(i, 1)*b(i, k + 9) + f(i, 2)*b(i, k + 12) + f(i, 3)*b(i, k + 15) + &
+               moment(i, k)
+            w(i, k + 6) = f(i, 1)*b(i, k + 18) + f(i, 2)*b(i, k + 21) + f(i, 3)*b(i, k + 24) - &
+               moment(i, k)
+         end do
+      end do
       do i = 1, n
-         do k = 1, 3
-            moment = f(i, 4)*rot(i, k) + f(i, 5)*rot(i, k + 3) + f(i, 6)*rot(i, k + 6)
-            wrench(k, i) = wrench(k, i) + f(i, 1)*dir(i, k) + f(i, 2)*dir(i, k + 3) + &
-               f(i, 3)*dir(i, k + 6)
-            wrench(k + 3, i) = wrench(k + 3, i) + f(i, 1)*m1(i, k) + f(i, 2)*m1(i, k + 3) + &
-               f(i, 3)*m1(i, k + 6) + moment
-            wrench(k + 6, i) = wrench(k + 6, i) + f(i, 1)*m2(i, k) + f(i, 2)*m2(i, k + 3) + &
-               f(i, 3)*m2(i, k + 6) - moment
+         do k = 1, N_C_WRENCH
+            wrench(k, i) = w(i, k)
          end do
       end do
    end subroutine put_wrench
@@ -274,51 +344,46 @@ contains
       type(c_joint_t), intent(in) :: joint
       real(wp), intent(out) :: rate(:, :)        !! (n, 6) J
 
-      real(wp), dimension(BLOCK, 9) :: dir, m1, m2, rot
       real(wp) :: part(BLOCK, 6)
-      integer :: from, to, n
+      integer :: from, n
 
       do from = 1, batch%n, BLOCK
-         to = min(from + BLOCK - 1, batch%n)
-         n = to - from + 1
-         dir(:n, :) = joint%dir(from:to, :)
-         m1(:n, :) = joint%m1(from:to, :)
-         m2(:n, :) = joint%m2(from:to, :)
-         rot(:n, :) = joint%rot(from:to, :)
-         call rates(batch, poses, from, n, dir, m1, m2, rot, part)
-         rate(from:to, :) = part(:n, :)
+         n = min(BLOCK, batch%n - from + 1)
+         call rates(batch, poses, from, n, joint%b(:, :, (from - 1)/BLOCK + 1), part)
+         rate(from:from + n - 1, :) = part(:n, :)
       end do
    end subroutine joint_rates
 
    !> q' = B v: translations e.(v2 - v1) - m1.w1 - m2.w2, rotations rot.(w2 - w1)
-   pure subroutine rates(batch, poses, from, n, dir, m1, m2, rot, rate)
+   pure subroutine rates(batch, poses, from, n, b, rate)
       type(c_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
-      real(wp), dimension(BLOCK, 9), intent(in) :: dir, m1, m2, rot
+      real(wp), intent(in) :: b(BLOCK, N_B)
       real(wp), intent(out) :: rate(BLOCK, 6)
 
-      real(wp), dimension(BLOCK, 3) :: dv, w1, w2
-      integer :: i, j, k
+      real(wp), dimension(BLOCK, 3) :: dv, w1, w2, dw
+      integer :: i, k, lead1, lead2
 
-      do k = 1, 3
-         do i = 1, n
-            j = from + i - 1
-            dv(i, k) = poses%v(batch%lead(j, 2), k) - poses%v(batch%lead(j, 1), k)
-            w1(i, k) = poses%w(batch%lead(j, 1), k)
-            w2(i, k) = poses%w(batch%lead(j, 2), k)
+      do i = 1, n
+         lead1 = batch%lead(from + i - 1, 1)
+         lead2 = batch%lead(from + i - 1, 2)
+         do k = 1, 3
+            dv(i, k) = poses%v(lead2, k) - poses%v(lead1, k)
+            w1(i, k) = poses%w(lead1, k)
+            w2(i, k) = poses%w(lead2, k)
+            dw(i, k) = w2(i, k) - w1(i, k)
          end do
       end do
       do k = 0, 2
          !$omp simd
          do i = 1, n
-            rate(i, 1 + k) = dir(i, 3*k + 1)*dv(i, 1) + dir(i, 3*k + 2)*dv(i, 2) + &
-               dir(i, 3*k + 3)*dv(i, 3) - &
-               (m1(i, 3*k + 1)*w1(i, 1) + m1(i, 3*k + 2)*w1(i, 2) + m1(i, 3*k + 3)*w1(i, 3)) - &
-               (m2(i, 3*k + 1)*w2(i, 1) + m2(i, 3*k + 2)*w2(i, 2) + m2(i, 3*k + 3)*w2(i, 3))
-            rate(i, 4 + k) = rot(i, 3*k + 1)*(w2(i, 1) - w1(i, 1)) + &
-               rot(i, 3*k + 2)*(w2(i, 2) - w1(i, 2)) + &
-               rot(i, 3*k + 3)*(w2(i, 3) - w1(i, 3))
+            rate(i, 1 + k) = b(i, 3*k + 1)*dv(i, 1) + b(i, 3*k + 2)*dv(i, 2) + &
+               b(i, 3*k + 3)*dv(i, 3) - &
+               (b(i, 3*k + 10)*w1(i, 1) + b(i, 3*k + 11)*w1(i, 2) + b(i, 3*k + 12)*w1(i, 3)) - &
+               (b(i, 3*k + 19)*w2(i, 1) + b(i, 3*k + 20)*w2(i, 2) + b(i, 3*k + 21)*w2(i, 3))
+            rate(i, 4 + k) = b(i, 3*k + 28)*dw(i, 1) + b(i, 3*k + 29)*dw(i, 2) + &
+               b(i, 3*k + 30)*dw(i, 3)
          end do
       end do
    end subroutine rates

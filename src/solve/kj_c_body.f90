@@ -6,6 +6,7 @@ module kj_c_body
    use kj_kinds, only: wp
    use kj_math3, only: turn_coefficients
    use kj_joint_frame, only: BLOCK
+   use kj_c_chart, only: quaternion_frame
    use kj_c_state, only: c_model_t, c_state_t
    implicit none
    private
@@ -43,7 +44,9 @@ contains
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
 
-      real(wp) :: q(BLOCK, 4), l(BLOCK, 3), space(BLOCK, 3), part(BLOCK, 3), w(BLOCK, 3)
+      real(wp), dimension(BLOCK, 3) :: l, space, part, w
+      real(wp) :: q(BLOCK, 4), scale
+      logical :: unequal
       integer :: from, to, n, i, k
 
       do from = lo, hi, BLOCK
@@ -54,22 +57,36 @@ contains
             state%poses%d(from:to, k) = state%poses%d(from:to, k) + h*state%v(from:to, k)
             l(:n, k) = state%l(from:to, k)
          end do
-         q(:n, :) = state%poses%quat(from:to, :)
-         call symmetric_part(c, from, n, h, l, space, part)
-         call turn_in_space(n, space, q)
+         do k = 1, 4
+            q(:n, k) = state%poses%quat(from:to, k)
+         end do
+         unequal = any(c%equal(from:to) == 0)
+         if (any(c%equal(from:to) > 0)) then
+            call symmetric_part(c, from, n, h, l, space, part)
+            call turn_in_space(n, space, q)
+         else
+            part(:n, 1) = 1.0_wp
+            part(:n, 2:3) = 0.5_wp
+         end if
          call conjugate_turn(n, q, l, w)
          call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
          call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
          call plane_turn(n, 1, h, part(:, 1), c%ii(from:to, 1), q, w)
+         if (unequal) then
+            do i = 1, n
+               if (c%equal(from + i - 1) > 0) part(i, 2:3) = 0.0_wp
+            end do
+            call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
+            call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
+         end if
+         !$omp simd private(scale)
          do i = 1, n
-            if (c%equal(from + i - 1) > 0) part(i, :) = 0.0_wp
+            scale = 1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
+            state%poses%quat(from + i - 1, 1) = q(i, 1)*scale
+            state%poses%quat(from + i - 1, 2) = q(i, 2)*scale
+            state%poses%quat(from + i - 1, 3) = q(i, 3)*scale
+            state%poses%quat(from + i - 1, 4) = q(i, 4)*scale
          end do
-         call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
-         call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
-         do i = 1, n
-            q(i, :) = q(i, :)*(1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2))
-         end do
-         state%poses%quat(from:to, :) = q(:n, :)
       end do
    end subroutine drift
 
@@ -88,7 +105,8 @@ contains
          a = c%equal(j)
          if (a == 0) then
             space(i, :) = 0.0_wp
-            part(i, :) = [1.0_wp, 0.5_wp, 0.5_wp]
+            part(i, 1) = 1.0_wp
+            part(i, 2:3) = 0.5_wp
          else
             it = c%ii(j, modulo(a, 3) + 1)
             space(i, :) = h*it*l(i, :)
@@ -191,16 +209,24 @@ contains
       integer, intent(in) :: lo, hi
       real(wp), contiguous, intent(inout) :: w(:, :)  !! (n_lead, 3)
 
-      real(wp) :: e(9), s(3)
-      integer :: i, k
+      real(wp) :: q(BLOCK, 4), e(BLOCK, 9), s1, s2, s3
+      integer :: from, n, i, j, k
 
-      do i = lo, hi
-         e = columns(quat(i, :))
-         do k = 1, 3
-            s(k) = c%ii(i, k)*(e(3*k - 2)*l(i, 1) + e(3*k - 1)*l(i, 2) + e(3*k)*l(i, 3))
+      do from = lo, hi, BLOCK
+         n = min(BLOCK, hi - from + 1)
+         do k = 1, 4
+            q(:n, k) = quat(from:from + n - 1, k)
          end do
-         do k = 1, 3
-            w(i, k) = e(k)*s(1) + e(k + 3)*s(2) + e(k + 6)*s(3)
+         call quaternion_frame(n, q, e)
+         !$omp simd private(j, s1, s2, s3)
+         do i = 1, n
+            j = from + i - 1
+            s1 = c%ii(j, 1)*(e(i, 1)*l(j, 1) + e(i, 2)*l(j, 2) + e(i, 3)*l(j, 3))
+            s2 = c%ii(j, 2)*(e(i, 4)*l(j, 1) + e(i, 5)*l(j, 2) + e(i, 6)*l(j, 3))
+            s3 = c%ii(j, 3)*(e(i, 7)*l(j, 1) + e(i, 8)*l(j, 2) + e(i, 9)*l(j, 3))
+            w(j, 1) = e(i, 1)*s1 + e(i, 4)*s2 + e(i, 7)*s3
+            w(j, 2) = e(i, 2)*s1 + e(i, 5)*s2 + e(i, 8)*s3
+            w(j, 3) = e(i, 3)*s1 + e(i, 6)*s2 + e(i, 9)*s3
          end do
       end do
    end subroutine spin_velocity
@@ -213,16 +239,24 @@ contains
       real(wp), contiguous, intent(inout) :: ij(:, :) !! (n_lead, 6)
 
       integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
-      real(wp) :: e(9), n
-      integer :: i, k
+      real(wp) :: q(BLOCK, 4), e(BLOCK, 9)
+      integer :: from, n, i, j, k, r, m
 
-      do i = lo, hi
-         e = columns(quat(i, :))
-         n = real(c%n_joint(i), wp)
+      do from = lo, hi, BLOCK
+         n = min(BLOCK, hi - from + 1)
+         do k = 1, 4
+            q(:n, k) = quat(from:from + n - 1, k)
+         end do
+         call quaternion_frame(n, q, e)
          do k = 1, 6
-            ij(i, k) = n*(c%ii(i, 1)*e(ROW(k))*e(COLUMN(k)) + &
-               c%ii(i, 2)*e(ROW(k) + 3)*e(COLUMN(k) + 3) + &
-               c%ii(i, 3)*e(ROW(k) + 6)*e(COLUMN(k) + 6))
+            r = ROW(k)
+            m = COLUMN(k)
+            !$omp simd private(j)
+            do i = 1, n
+               j = from + i - 1
+               ij(j, k) = real(c%n_joint(j), wp)*(c%ii(j, 1)*e(i, r)*e(i, m) + &
+                  c%ii(j, 2)*e(i, r + 3)*e(i, m + 3) + c%ii(j, 3)*e(i, r + 6)*e(i, m + 6))
+            end do
          end do
       end do
    end subroutine inverse_inertias

@@ -14,7 +14,7 @@ module kj_c_bound
    use kj_joint_law, only: step_stiffness
    use kj_curve, only: curve_set_t
    use kj_model, only: model_t
-   use kj_c_batch, only: c_batch_t, CHART_VECTOR
+   use kj_c_batch, only: c_batch_t, matrix_of, CHART_VECTOR, N_B
    use kj_c_limit, only: limit_stiffness
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_hold, only: body_matrix
@@ -275,7 +275,7 @@ contains
       integer, intent(in) :: b, i, e
       real(wp) :: rows(6, 6)
 
-      real(wp) :: sign, g, a
+      real(wp) :: sign, g, a, m(N_B)
       integer :: k
 
       sign = merge(-1.0_wp, 1.0_wp, e == 1)
@@ -285,12 +285,13 @@ contains
             a = 0.5_wp*norm2(joint%q(i, 4:6))
             if (a > 1.0e-3_wp) g = abs(a/sin(a))
          end if
+         m = matrix_of(joint, i)
          rows = 0.0_wp
          do k = 1, 3
-            rows(k, 1:3) = sign*joint%dir(i, 3*k - 2:3*k)
-            rows(k, 4:6) = -joint%m1(i, 3*k - 2:3*k)
-            if (e == 2) rows(k, 4:6) = -joint%m2(i, 3*k - 2:3*k)
-            rows(k + 3, 4:6) = sign*g*joint%rot(i, 3*k - 2:3*k)
+            rows(k, 1:3) = sign*m(3*k - 2:3*k)
+            rows(k, 4:6) = -m(3*k + 7:3*k + 9)
+            if (e == 2) rows(k, 4:6) = -m(3*k + 16:3*k + 18)
+            rows(k + 3, 4:6) = sign*g*m(3*k + 25:3*k + 27)
          end do
       end associate
    end function rows_of_end
