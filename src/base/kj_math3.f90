@@ -5,7 +5,7 @@ module kj_math3
    private
 
    public :: cross, unit, rotation, rotation_vector, to_quaternion, inverse3, turn_coefficients, &
-      angles
+      angles, turn_between
 
    real(wp), parameter, public :: IDENTITY(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, &
       0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
@@ -159,6 +159,20 @@ contains
       phi = 2.0_wp*q(2:4)
       if (s > 1.0e-8_wp) phi = 2.0_wp*atan2(s, q(1))/s*q(2:4)
    end function rotation_vector
+
+   !> Rotation that takes one triad of 9 columns to another
+   pure function turn_between(from, to) result(r)
+      real(wp), intent(in) :: from(9), to(9)
+      real(wp) :: r(3, 3)
+
+      integer :: i, j
+
+      do j = 1, 3
+         do i = 1, 3
+            r(i, j) = to(i)*from(j) + to(i + 3)*from(j + 3) + to(i + 6)*from(j + 6)
+         end do
+      end do
+   end function turn_between
 
    !> Inverse of a regular 3x3 matrix by cofactors; singular is false with a zero determinant
    pure subroutine inverse3(a, b, regular)

@@ -107,7 +107,8 @@ contains
       call h5dget_space_f(id, space, status)
       if (status < 0) space = -1
       if (status >= 0) call h5sselect_hyperslab_f(space, H5S_SELECT_SET_F, start, block, status)
-      if (status >= 0) call h5screate_simple_f(1, [int(size(values), hsize_t)], memory, status)
+      ! a memory space of the same shape: another one makes the library walk element by element
+      if (status >= 0) call h5screate_simple_f(size(block), block, memory, status)
       address = c_loc(values)
       if (status >= 0) call h5dread_f(id, H5T_NATIVE_DOUBLE, address, status, memory, space)
       if (space > 0) call h5sclose_f(space, ignored)

@@ -3,7 +3,7 @@ module kj_sample
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INTERNAL
-   use kj_math3, only: cross, to_quaternion
+   use kj_math3, only: cross, to_quaternion, turn_between
    use kj_curve, only: curve_integral
    use kj_joint_types, only: joint_types, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
@@ -281,7 +281,7 @@ contains
       real(wp) :: r(3, 3)
 
       r = reshape(e, [3, 3])
-      if (frame == FRAME_CROSS) r(:, 3) = cross(r(:, 1), r(:, 2))
+      if (frame == FRAME_CROSS) r(:, 3) = cross(e(1:3), e(4:6))
       q = to_quaternion(r)
    end function frame_quaternion
 
@@ -293,7 +293,8 @@ contains
       type(sampler_t), intent(inout) :: sampler
       real(wp), intent(out) :: y(v%n_comp)
 
-      real(wp) :: vh(3), wl(3)
+      real(wp) :: vh(3), w(3), wl(3)
+      integer :: k
 
       y = 0.0_wp
       select case (v%channel)
@@ -309,14 +310,13 @@ contains
       case (CH_B_ANGIMP); y = state%angular_impulse(body, :)
       case (CH_B_ROTSUM); y = state%rotation_sum(body, :)
       case (CH_B_ORIENT)
-         y = to_quaternion(matmul(reshape(state%p(body, :), [3, 3]), &
-            transpose(reshape(model%axes(body, :), [3, 3]))))
+         y = to_quaternion(turn_between(model%axes(body, :), state%p(body, :)))
          if (dot_product(y, sampler%orientation(:, body)) < 0.0_wp) y = -y
          sampler%orientation(:, body) = y
       case (CH_B_KE)
          vh = state%v(body, :) + 0.5_wp*state%h1*state%a(body, :)
-         wl = matmul(state%world%w(body, :) + 0.5_wp*state%h1*state%al(body, :), &
-            reshape(state%p(body, :), [3, 3]))
+         w = state%world%w(body, :) + 0.5_wp*state%h1*state%al(body, :)
+         wl = [(dot_product(w, state%p(body, k:k + 2)), k=1, 7, 3)]
          y = 0.5_wp*(state%mass(body)*dot_product(vh, vh) + sum(state%principal(body, :)*wl**2))
       end select
    end subroutine body_value

@@ -58,12 +58,16 @@ contains
       real(wp), intent(in) :: w(3)
       real(wp) :: l(3)
 
-      real(wp) :: p(3, 3)
+      real(wp) :: part
+      integer :: k
 
       l = state%inertia(lead)*w
       if (lead > model%n_body) return
-      p = reshape(state%p(lead, :), [3, 3])
-      l = matmul(p, state%principal(lead, :)*matmul(w, p))
+      l = 0.0_wp
+      do k = 1, 3
+         part = state%principal(lead, k)*dot_product(w, state%p(lead, 3*k - 2:3*k))
+         l = l + part*state%p(lead, 3*k - 2:3*k)
+      end do
    end function spin_of
 
    !> Potential -m g.d of a gravity card; 0 for one that changes with time or turns
