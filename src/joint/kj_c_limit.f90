@@ -2,13 +2,14 @@
 !>
 !>   stop      f = k over along its direction, on both sides: a potential, nothing is lost
 !>   combined  one circle or sphere: over = |q - c| - rho along (q - c)/|q - c|
-!>   friction  elastic-plastic: r := r + k dq, brought back to |r| <= limit. What slides, p, is the
-!>             part of dq that does not strain the spring; r p >= 0 is lost. Combined directions
-!>             share the ellipse sum (r/limit)^2 <= 1
+!>   friction  elastic-plastic: r := r + k dq, and from beyond its limit back to the point of the
+!>             limit that is nearest in energy, so that it slides along the normal of the limit.
+!>             What slides, p, is the part of dq that does not strain the spring; r p >= 0 is lost.
+!>             Combined directions share the ellipse sum (r/limit)^2 <= 1
 !>   lock      f = k_block (q - q0), q0 the coordinate when the sensor acts
 !>
 !> Forces of one direction add up. A stuck spring and a lock are damped by Cr as blocked directions
-!> are; that is left to the dampers (c_limit). Signs are those of q: f on node 1.
+!> are; that is left to the dampers (c_limit). Signs are those of q: force on node 1.
 module kj_c_limit
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
@@ -25,22 +26,27 @@ module kj_c_limit
 
    real(wp), parameter :: TINY_VALUE = 1.0e-20_wp         !! nothing is given
    real(wp), parameter :: TWO_PI = 6.28318530717958647692528676656_wp
+   integer, parameter :: ITERATIONS = 50
+   integer, parameter :: ALL_DOFS(NDOF) = [1, 2, 3, 4, 5, 6]
+   integer, parameter :: FIRST(NDOF) = [1, 1, 1, 4, 4, 4]   !! translations, rotations
 
 contains
 
-   !> Add the limits of joints from..from + n - 1 to the forces of a block.
+   !> Limits of joints from..from + n - 1: forces of stops and locks added to those of a block, and
+   !> the friction.
    !>
    !> joint%grip, c_limit, stored and flag are set anew; friction, slip_energy, locked, q_lock
    !> advance.
-   pure subroutine add_limits(batch, curves, time, h, from, n, before, q, joint, f, lost)
+   pure subroutine add_limits(batch, curves, time, h, from, n, before, q, slid, joint, f, lost)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time, h            !! now, and the step that led here (0: none)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)   !! coordinates at time - h, time
+      real(wp), intent(in) :: slid(BLOCK, NDOF)  !! way of the step that friction sees
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(inout) :: f(BLOCK, NDOF)
-      real(wp), intent(out) :: lost(BLOCK)       !! energy that friction took in this step
+      real(wp), intent(out) :: lost(BLOCK)       !! energy that friction or a release took
 
       integer :: to, dof
 
@@ -52,95 +58,132 @@ contains
             joint_types(batch%row)%free(dof) == 1)
       end do
       lost = 0.0_wp
-      call rub(batch, curves, h, from, n, before, q, joint, f, lost)
+      call rub(batch, curves, h, from, n, q, slid, joint, lost)
+      joint%slip_energy(from:to) = joint%slip_energy(from:to) + lost(:n)
       call stop_plain(batch, from, n, q, joint, f)
       call stop_combined(batch, from, n, 1, 3, q, joint, f)
       call stop_combined(batch, from, n, 4, 6, q, joint, f)
-      call lock(batch, time, h, from, n, before, q, joint, f)
-      joint%slip_energy(from:to) = joint%slip_energy(from:to) + lost(:n)
+      call lock(batch, time, h, from, n, before, q, joint, f, lost)
    end subroutine add_limits
 
-   !> Friction of all directions
-   pure subroutine rub(batch, curves, h, from, n, before, q, joint, f, lost)
+   !> Friction of all directions: joint%friction
+   pure subroutine rub(batch, curves, h, from, n, q, slid, joint, lost)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
-      real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
+      real(wp), intent(in) :: q(BLOCK, NDOF), slid(BLOCK, NDOF)
       type(c_joint_t), intent(inout) :: joint
-      real(wp), intent(inout) :: f(BLOCK, NDOF), lost(BLOCK)
+      real(wp), intent(inout) :: lost(BLOCK)
 
-      real(wp) :: trial(NDOF), most(NDOF), ratio(NDOF), y, slope
-      logical :: has(NDOF)
-      integer :: i, j, dof
+      logical :: has(NDOF), together(NDOF)
+      integer :: i, j, dof, s
 
-      associate (l => batch%limit)
-         do i = 1, n
-            j = from + i - 1
-            has = has_friction(l%k(j, :), l%slip(j, :), l%slip_curve(j, :))
-            if (.not. any(has)) cycle
-            ratio = 0.0_wp
-            most = 0.0_wp
-            do dof = 1, NDOF
-               if (.not. has(dof)) cycle
-               most(dof) = l%slip(j, dof)
-               if (l%slip_curve(j, dof) > 0) then
-                  call law_value(curves, l%slip_curve(j, dof), q(i, dof), y, slope)
-                  most(dof) = abs(most(dof)*y)
-               end if
-               trial(dof) = joint%friction(j, dof) + l%k(j, dof)*(q(i, dof) - before(i, dof))
-               ratio(dof) = abs(trial(dof))/max(most(dof), TINY_VALUE)
-            end do
-            call share(l%combined(j, :) > 0.0_wp .and. most > TINY_VALUE, ratio)
-            do dof = 1, NDOF
-               if (.not. has(dof)) cycle
-               call bring_back(h, l%k(j, dof), l%cr(j)*sqrt(l%k(j, dof)*batch%inertia(j, dof)), &
-                  most(dof), trial(dof), ratio(dof), q(i, dof) - before(i, dof), &
-                  joint%friction(j, dof), joint%c_limit(j, dof), lost(i))
-               f(i, dof) = f(i, dof) + joint%friction(j, dof)
-               joint%grip(j, dof) = most(dof)
-               joint%stored(j) = joint%stored(j) + 0.5_wp*joint%friction(j, dof)**2/l%k(j, dof)
-               joint%flag(j, dof) = merge(DOF_SLIDING, DOF_STICKING, ratio(dof) > 1.0_wp)
-            end do
+      do i = 1, n
+         j = from + i - 1
+         has = has_friction(batch%limit%k(j, :), batch%limit%slip(j, :), &
+            batch%limit%slip_curve(j, :))
+         if (.not. any(has)) cycle
+         do dof = 1, NDOF
+            if (has(dof)) joint%grip(j, dof) = friction_limit(batch, curves, j, dof, q(i, dof))
          end do
-      end associate
+         together = has .and. batch%limit%combined(j, :) > 0.0_wp
+         do s = 1, 4, 3
+            if (any(together(s:s + 2))) call rub_together(batch, h, j, &
+               together .and. spread(s, 1, NDOF) == FIRST, slid(i, :), joint, lost(i))
+         end do
+         do dof = 1, NDOF
+            if (has(dof) .and. .not. together(dof)) call rub_together(batch, h, j, &
+               ALL_DOFS == dof, slid(i, :), joint, lost(i))
+         end do
+      end do
    end subroutine rub
 
-   !> Combined directions, translations and rotations for themselves, have one ratio of trial to
-   !> limit
-   pure subroutine share(combined, ratio)
-      logical, intent(in) :: combined(NDOF)      !! and not without any friction now
-      real(wp), intent(inout) :: ratio(NDOF)
+   !> Limit of friction at q
+   pure real(wp) function friction_limit(batch, curves, j, dof, q) result(most)
+      type(c_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      integer, intent(in) :: j, dof
+      real(wp), intent(in) :: q
 
-      integer :: s
+      real(wp) :: y, slope
 
-      do s = 1, 4, 3
-         if (count(combined(s:s + 2)) < 2) cycle
-         where (combined(s:s + 2)) &
-            ratio(s:s + 2) = norm2(pack(ratio(s:s + 2), combined(s:s + 2)))
+      most = batch%limit%slip(j, dof)
+      if (batch%limit%slip_curve(j, dof) == 0) return
+      call law_value(curves, batch%limit%slip_curve(j, dof), q, y, slope)
+      most = abs(most*y)
+   end function friction_limit
+
+   !> Friction of the directions of joint j that share a limit (or of one), and the damping of their
+   !> springs while they stick: so much that spring and damper together stay within the limit.
+   !>
+   !> What is lost is the work on the friction, by the trapezoidal rule as all work on joints, less
+   !> what its spring takes: 1/2 (r_old + r).p, p the way that slides. As p is along the normal of
+   !> the limit in r, and r_old is inside, that is never negative while the limit stays; where it
+   !> shrinks as the motion turns round, nothing is counted.
+   pure subroutine rub_together(batch, h, j, in, slid, joint, lost)
+      type(c_batch_t), intent(in) :: batch
+      real(wp), intent(in) :: h
+      integer, intent(in) :: j
+      logical, intent(in) :: in(NDOF)
+      real(wp), intent(in) :: slid(NDOF)
+      type(c_joint_t), intent(inout) :: joint
+      real(wp), intent(inout) :: lost
+
+      real(wp) :: k(NDOF), most(NDOF), trial(NDOF), r(NDOF), load, room, work
+      logical :: slides
+      integer :: dof
+
+      k = batch%limit%k(j, :)
+      most = joint%grip(j, :)
+      trial = joint%friction(j, :) + k*slid
+      r = merge(trial, 0.0_wp, in .and. most > TINY_VALUE)
+      call bring_back(k, most, r, load)
+      slides = load > 1.0_wp .or. any(in .and. .not. most > TINY_VALUE)
+      work = 0.0_wp
+      do dof = 1, NDOF
+         if (.not. in(dof)) cycle
+         work = work + 0.5_wp*(joint%friction(j, dof) + r(dof))*(trial(dof) - r(dof))/k(dof)
+         joint%friction(j, dof) = r(dof)
+         joint%stored(j) = joint%stored(j) + 0.5_wp*r(dof)**2/k(dof)
+         joint%flag(j, dof) = merge(DOF_SLIDING, DOF_STICKING, slides)
+         if (slides .or. .not. h > 0.0_wp) cycle
+         room = most(dof)
+         if (r(dof)*slid(dof) > 0.0_wp) room = (1.0_wp - load)*most(dof)
+         joint%c_limit(j, dof) = min(batch%limit%cr(j)*sqrt(k(dof)*batch%inertia(j, dof)), &
+            room*h/max(abs(slid(dof)), TINY_VALUE))
       end do
-   end subroutine share
+      if (slides) lost = lost + max(0.0_wp, work)
+   end subroutine rub_together
 
-   !> Return of one direction to its limit, and the damping of its spring while it sticks: so much
-   !> that spring and damper together stay within the limit
-   pure subroutine bring_back(h, k, c, most, trial, ratio, change, r, c_limit, lost)
-      real(wp), intent(in) :: h, k, c            !! step, stiffness, damping of the stuck spring
-      real(wp), intent(in) :: most, trial, ratio !! limit, elastic force, force over limit
-      real(wp), intent(in) :: change             !! of the coordinate
-      real(wp), intent(inout) :: r               !! friction force
-      real(wp), intent(inout) :: c_limit, lost
+   !> Return of the friction r to the ellipse load^2 = sum (r/most)^2 = 1, where it is outside: to
+   !> r/(1 + g k/most^2), with the g that solves it. That is the nearest point with the energy
+   !> r^2/(2 k) as measure.
+   !>
+   !> Newton's method on 1/load = 1: at once for one direction or equal ones, monotone for others.
+   pure subroutine bring_back(k, most, r, load)
+      real(wp), intent(in) :: k(NDOF), most(NDOF)
+      real(wp), intent(inout) :: r(NDOF)         !! 0 where there is no friction
+      real(wp), intent(out) :: load              !! before the return
 
-      real(wp) :: room
+      real(wp) :: b(NDOF), a(NDOF), now, g
+      integer :: i
 
-      r = trial
-      if (ratio > 1.0_wp) then
-         r = trial/ratio
-         lost = lost + r*(trial - r)/k
-      else if (h > 0.0_wp) then
-         room = most
-         if (r*change > 0.0_wp) room = (1.0_wp - ratio)*most
-         c_limit = c_limit + min(c, room*h/max(abs(change), TINY_VALUE))
-      end if
+      b = 0.0_wp
+      a = 0.0_wp
+      where (abs(r) > 0.0_wp)
+         b = r/most
+         a = k/most**2
+      end where
+      load = norm2(b)
+      if (.not. load > 1.0_wp) return
+      g = 0.0_wp
+      do i = 1, ITERATIONS
+         now = norm2(b/(1.0_wp + g*a))
+         if (now - 1.0_wp <= epsilon(now)) exit
+         g = g + now**2*(now - 1.0_wp)/sum(b**2*a/(1.0_wp + g*a)**3)
+      end do
+      r = r/(1.0_wp + g*a)
    end subroutine bring_back
 
    !> Stops of directions that are not combined
@@ -205,35 +248,44 @@ contains
    end subroutine stop_combined
 
    !> Lock of the free directions while the sensor acts. q0 is the coordinate at its very time, so
-   !> the force starts from zero; the damping comes in over the first period of the lock.
-   pure subroutine lock(batch, time, h, from, n, before, q, joint, f)
+   !> the force starts from zero; the damping comes in over the first period of the lock. When the
+   !> sensor lets go, what the lock holds is lost.
+   pure subroutine lock(batch, time, h, from, n, before, q, joint, f, lost)
       type(c_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time, h
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(c_joint_t), intent(inout) :: joint
-      real(wp), intent(inout) :: f(BLOCK, NDOF)
+      real(wp), intent(inout) :: f(BLOCK, NDOF), lost(BLOCK)
 
-      real(wp) :: k, m, part
+      real(wp) :: k, m, part, strain
+      logical :: holds
       integer :: i, j, dof
 
       do i = 1, n
          j = from + i - 1
          associate (l => batch%limit)
-            if (.not. time > l%t_lock(j)) cycle
+            holds = time > l%t_lock(j) .and. time <= l%t_free(j)
+            if (.not. (holds .or. joint%locked(j))) cycle
             if (.not. joint%locked(j)) then
                part = 1.0_wp
                if (h > 0.0_wp) part = max(0.0_wp, 1.0_wp - (time - l%t_lock(j))/h)
                joint%q_lock(j, :) = before(i, :) + part*(q(i, :) - before(i, :))
-               joint%locked(j) = .true.
             end if
-            if (time > l%t_free(j)) cycle
+            joint%locked(j) = holds
             do dof = 1, NDOF
                if (joint_types(batch%row)%free(dof) == 0) cycle
                k = l%k_block(j, merge(1, 2, dof <= 3))
                m = batch%inertia(j, dof)
-               f(i, dof) = f(i, dof) + k*(q(i, dof) - joint%q_lock(j, dof))
-               joint%stored(j) = joint%stored(j) + 0.5_wp*k*(q(i, dof) - joint%q_lock(j, dof))**2
+               strain = q(i, dof) - joint%q_lock(j, dof)
+               if (.not. holds) then
+                  ! what is left of k strain^2/2 by the trapezoidal rule of the work
+                  lost(i) = lost(i) + max(0.0_wp, 0.5_wp*k*strain*(before(i, dof) - &
+                     joint%q_lock(j, dof)))
+                  cycle
+               end if
+               f(i, dof) = f(i, dof) + k*strain
+               joint%stored(j) = joint%stored(j) + 0.5_wp*k*strain**2
                joint%flag(j, dof) = DOF_LOCKED
                if (.not. m > 0.0_wp) cycle
                joint%c_limit(j, dof) = joint%c_limit(j, dof) + l%cr(j)*sqrt(k*m)* &
