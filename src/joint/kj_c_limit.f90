@@ -1,6 +1,8 @@
 !> Stops, friction and lock of a block of joints under the consistent formulation.
 !>
-!>   stop      f = k over along its direction, on both sides: a potential, nothing is lost
+!>   stop      f = k over along its direction, on both sides: a potential. With a Cr it is damped as
+!>             blocked directions are, but never by more than its force: it begins without a jump
+!>             and does not pull. Without, nothing is lost
 !>   combined  one circle or sphere: over = |q - c| - rho along (q - c)/|q - c|
 !>   friction  elastic-plastic: r := r + k dq, and from beyond its limit back to the point of the
 !>             limit that is nearest in energy, so that it slides along the normal of the limit.
@@ -22,7 +24,7 @@ module kj_c_limit
    implicit none
    private
 
-   public :: add_limits, limit_stiffness, stop_stiffness
+   public :: add_limits, damp_round_stops, limit_stiffness, stop_stiffness
 
    real(wp), parameter :: TINY_VALUE = 1.0e-20_wp         !! nothing is given
    real(wp), parameter :: TWO_PI = 6.28318530717958647692528676656_wp
@@ -35,8 +37,8 @@ contains
    !> Limits of joints from..from + n - 1: forces of stops and locks added to those of a block, and
    !> the friction.
    !>
-   !> joint%grip, c_limit, stored and flag are set anew; friction, slip_energy, locked, q_lock
-   !> advance.
+   !> joint%grip, c_limit, c_round, to_round, stored and flag are set anew; friction, slip_energy,
+   !> locked, q_lock advance.
    pure subroutine add_limits(batch, curves, time, h, from, n, before, q, slid, joint, f, lost)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
@@ -53,6 +55,7 @@ contains
       to = from + n - 1
       joint%stored(from:to) = 0.0_wp
       joint%c_limit(from:to, :) = 0.0_wp
+      joint%c_round(from:to, :) = 0.0_wp
       do dof = 1, NDOF
          joint%flag(from:to, dof) = merge(DOF_FREE, DOF_BLOCKED, &
             joint_types(batch%row)%free(dof) == 1)
@@ -60,9 +63,9 @@ contains
       lost = 0.0_wp
       call rub(batch, curves, h, from, n, q, slid, joint, lost)
       joint%slip_energy(from:to) = joint%slip_energy(from:to) + lost(:n)
-      call stop_plain(batch, from, n, q, joint, f)
-      call stop_combined(batch, from, n, 1, 3, q, joint, f)
-      call stop_combined(batch, from, n, 4, 6, q, joint, f)
+      call stop_plain(batch, h, from, n, before, q, joint, f)
+      call stop_combined(batch, h, from, n, 1, 3, before, q, joint, f)
+      call stop_combined(batch, h, from, n, 4, 6, before, q, joint, f)
       call lock(batch, time, h, from, n, before, q, joint, f, lost)
    end subroutine add_limits
 
@@ -187,10 +190,11 @@ contains
    end subroutine bring_back
 
    !> Stops of directions that are not combined
-   pure subroutine stop_plain(batch, from, n, q, joint, f)
+   pure subroutine stop_plain(batch, h, from, n, before, q, joint, f)
       type(c_batch_t), intent(in) :: batch
+      real(wp), intent(in) :: h
       integer, intent(in) :: from, n
-      real(wp), intent(in) :: q(BLOCK, NDOF)
+      real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
@@ -210,22 +214,36 @@ contains
             f(i, dof) = f(i, dof) + k*over(i)
             joint%stored(j) = joint%stored(j) + 0.5_wp*k*over(i)**2
             joint%flag(j, dof) = DOF_AT_STOP
+            joint%c_limit(j, dof) = joint%c_limit(j, dof) + stop_damping(batch, h, j, dof, k, &
+               abs(over(i)), q(i, dof) - before(i, dof))
          end do
       end do
    end subroutine stop_plain
 
+   !> Damping of a stop of stiffness k: as the Cr of the joint has it, but no stronger than its force
+   pure real(wp) function stop_damping(batch, h, j, dof, k, over, change) result(c)
+      type(c_batch_t), intent(in) :: batch
+      real(wp), intent(in) :: h, k, over
+      integer, intent(in) :: j, dof
+      real(wp), intent(in) :: change             !! of the coordinate in the step
+
+      c = min(batch%limit%cr_stop(j)*sqrt(k*batch%inertia(j, dof)), &
+         k*over*h/max(abs(change), TINY_VALUE))
+   end function stop_damping
+
    !> Combined stops of directions first..last: a potential of the distance from the centre alone,
    !> with the least radius and the largest stiffness of them
-   pure subroutine stop_combined(batch, from, n, first, last, q, joint, f)
+   pure subroutine stop_combined(batch, h, from, n, first, last, before, q, joint, f)
       type(c_batch_t), intent(in) :: batch
+      real(wp), intent(in) :: h
       integer, intent(in) :: from, n, first, last
-      real(wp), intent(in) :: q(BLOCK, NDOF)
+      real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
       real(wp) :: d(first:last), reach, over, k
       logical :: in(first:last)
-      integer :: i, j, dof
+      integer :: i, j, dof, stiffest
 
       do i = 1, n
          j = from + i - 1
@@ -237,15 +255,55 @@ contains
             over = reach - minval(0.5_wp*(hi - lo), mask=in)
             if (.not. over > 0.0_wp) cycle
          end associate
-         k = 0.0_wp
+         k = -1.0_wp
+         stiffest = first
          do dof = first, last
-            if (in(dof)) k = max(k, stop_stiffness(batch, j, dof))
+            if (.not. in(dof) .or. stop_stiffness(batch, j, dof) <= k) cycle
+            k = stop_stiffness(batch, j, dof)
+            stiffest = dof
          end do
-         f(i, first:last) = f(i, first:last) + k*over*d/reach
+         d = d/reach
+         f(i, first:last) = f(i, first:last) + k*over*d
          joint%stored(j) = joint%stored(j) + 0.5_wp*k*over**2
          where (in) joint%flag(j, first:last) = DOF_AT_STOP
+         joint%to_round(j, first:last) = d
+         joint%c_round(j, last/3) = stop_damping(batch, h, j, stiffest, k, over, &
+            dot_product(d, q(i, first:last) - before(i, first:last)))
       end do
    end subroutine stop_combined
+
+   !> Damping of combined stops along their direction d, after that of the single directions: the
+   !> implicit f = c (d.rate - h/2 d.S change)/(1 + h/2 c d.S d), added along d to change, that of
+   !> the damping forces of the block
+   pure subroutine damp_round_stops(joint, h, from, n, rate, s, change)
+      type(c_joint_t), intent(in) :: joint
+      real(wp), intent(in) :: h
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: rate(BLOCK, NDOF)  !! predicted
+      real(wp), intent(in) :: s(BLOCK, 21)       !! B M^-1 B^T, lower triangle by rows
+      real(wp), intent(inout) :: change(BLOCK, NDOF)
+
+      real(wp) :: d(NDOF), sd(NDOF), c, f
+      integer :: i, k, l, part
+
+      do i = 1, n
+         do part = 1, 2
+            c = joint%c_round(from + i - 1, part)
+            if (.not. c > 0.0_wp) cycle
+            d = 0.0_wp
+            d(3*part - 2:3*part) = joint%to_round(from + i - 1, 3*part - 2:3*part)
+            do k = 1, NDOF
+               sd(k) = 0.0_wp
+               do l = 1, NDOF
+                  sd(k) = sd(k) + s(i, max(k, l)*(max(k, l) - 1)/2 + min(k, l))*d(l)
+               end do
+            end do
+            f = c*(dot_product(d, rate(i, :)) - 0.5_wp*h*dot_product(sd, change(i, :)))/ &
+               (1.0_wp + 0.5_wp*h*c*dot_product(d, sd))
+            change(i, :) = change(i, :) + f*d
+         end do
+      end do
+   end subroutine damp_round_stops
 
    !> Lock of the free directions while the sensor acts. q0 is the coordinate at its very time, so
    !> the force starts from zero; the damping comes in over the first period of the lock. When the
