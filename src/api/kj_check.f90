@@ -11,8 +11,8 @@ module kj_check
       integer :: joint = 0                        !! index among the joints of the report
       integer :: dof = 0                          !! direction, 1-6
       real(wp) :: lo = 0.0_wp, hi = 0.0_wp        !! stops
-      logical :: combined = .false.               !! one circle or sphere with the others that say so
-      real(wp) :: stop_k = 0.0_wp                 !! stiffness of the stops; 0: as blocked, automatic
+      logical :: combined = .false.               !! one circle or sphere with others
+      real(wp) :: stop_k = 0.0_wp                 !! stiffness of the stops; 0: automatic
       real(wp) :: slip = 0.0_wp                   !! limit of friction, or scale of its function
       integer :: slip_curve = 0                   !! id of the function, 0 = none
       real(wp) :: slip_k = 0.0_wp                 !! stiffness of friction

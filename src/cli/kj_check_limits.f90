@@ -26,9 +26,9 @@ contains
       end if
       do i = 1, size(report%limit)
          associate (row => report%limit(i))
-            call print_line(trim(joint_text(report, row%joint)//'  '//left(DOF_NAME(row%dof), 11)// &
+            call print_line(joint_text(report, row%joint)//'  '//left(DOF_NAME(row%dof), 11)// &
                left(stops_text(row), 28)//left(stiffness_text(row), 13)// &
-               left(friction_text(row), 19)//left(number(row%slip_k), 11)))
+               left(friction_text(row), 19)//number(row%slip_k))
          end associate
       end do
       if (any(report%limit%combined)) call print_line('   *  combined: one circle or sphere')

@@ -139,7 +139,8 @@ contains
       slid(:n, :) = now(:n, :) - before(:n, :)
       if (batch%chart == CHART_VECTOR) call turn_in_frame(batch, poses, from, n, rot, slid)
       friction(:n, :) = joint%friction(from:to, :)
-      call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, joint, f, lost)
+      call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, joint, f, &
+         lost)
       joint%elastic(from:to) = joint%elastic(from:to) + 0.5_wp* &
          sum(slid(:n, :)*(friction(:n, :) + joint%friction(from:to, :)), dim=2)
    end subroutine laws

@@ -153,7 +153,8 @@ contains
       type(c_batch_t), intent(in) :: batch
       integer, intent(in) :: i
 
-      needs = .not. batch%plain(i) .or. any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
+      needs = .not. batch%plain(i) .or. &
+         any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
       if (.not. batch%limited) return
       associate (l => batch%limit)
          needs = needs .or. any(l%lo(i, 4:6) < 0.0_wp) .or. any(l%hi(i, 4:6) > 0.0_wp) .or. &
