@@ -9,6 +9,7 @@ module kj_c_force
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, N_B
    use kj_c_limit, only: add_limits
+   use kj_c_friction, only: turn_in_frame
    use kj_c_chart, only: relative_pose, twist_chart, vector_chart, first_skew
    use kj_c_universal, only: universal_chart
    implicit none
@@ -137,35 +138,13 @@ contains
       end do
       if (.not. batch%limited) return
       slid(:n, :) = now(:n, :) - before(:n, :)
-      if (batch%chart == CHART_VECTOR) call turn_in_frame(batch, poses, from, n, rot, slid)
+      if (batch%chart == CHART_VECTOR) call turn_in_frame(batch, poses%psi, from, n, rot, slid)
       friction(:n, :) = joint%friction(from:to, :)
       call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, joint, f, &
          lost)
       joint%elastic(from:to) = joint%elastic(from:to) + 0.5_wp* &
          sum(slid(:n, :)*(friction(:n, :) + joint%friction(from:to, :)), dim=2)
    end subroutine laws
-
-   !> Relative turn of the last step in the joint frame, rows of rot: a chart of three free
-   !> rotations stretches turns the more the larger they are, friction knows nothing of that
-   pure subroutine turn_in_frame(batch, poses, from, n, rot, turn)
-      type(c_batch_t), intent(in) :: batch
-      type(poses_t), intent(in) :: poses
-      integer, intent(in) :: from, n
-      real(wp), intent(in) :: rot(BLOCK, 9)
-      real(wp), intent(inout) :: turn(BLOCK, 6)  !! its columns 4-6
-
-      integer :: i, k
-
-      do i = 1, n
-         associate (psi => poses%psi, lead => batch%lead(from + i - 1, :))
-            do k = 1, 3
-               turn(i, k + 3) = rot(i, 3*k - 2)*(psi(lead(2), 1) - psi(lead(1), 1)) + &
-                  rot(i, 3*k - 1)*(psi(lead(2), 2) - psi(lead(1), 2)) + &
-                  rot(i, 3*k)*(psi(lead(2), 3) - psi(lead(1), 3))
-            end do
-         end associate
-      end do
-   end subroutine turn_in_frame
 
    !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
    !> not those of B (CHART_VECTOR)

@@ -16,7 +16,7 @@ module kj_c_friction
    implicit none
    private
 
-   public :: rub
+   public :: rub, turn_in_frame
 
    real(wp), parameter :: TINY_VALUE = 1.0e-20_wp         !! nothing is given
    integer, parameter :: ITERATIONS = 50
@@ -145,5 +145,25 @@ contains
       end do
       r = r/(1.0_wp + g*a)
    end subroutine bring_back
+
+   !> Relative turn of the last step in the joint frame, rows of rot: a chart of three free
+   !> rotations stretches turns the more the larger they are, friction knows nothing of that
+   pure subroutine turn_in_frame(batch, psi, from, n, rot, turn)
+      type(c_batch_t), intent(in) :: batch
+      real(wp), intent(in) :: psi(:, :)          !! (n_lead, 3) rotation vectors of the step, W
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: rot(BLOCK, 9)
+      real(wp), intent(inout) :: turn(BLOCK, NDOF)   !! its columns 4-6
+
+      real(wp) :: d(3)
+      integer :: i, k
+
+      do i = 1, n
+         d = psi(batch%lead(from + i - 1, 2), :) - psi(batch%lead(from + i - 1, 1), :)
+         do k = 1, 3
+            turn(i, k + 3) = dot_product(rot(i, 3*k - 2:3*k), d)
+         end do
+      end do
+   end subroutine turn_in_frame
 
 end module kj_c_friction

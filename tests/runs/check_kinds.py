@@ -95,7 +95,7 @@ def damped_stop(scene):
                          [dof(low=-0.1, high=0.1, stiffness=k, combined=1)] * 2, cr=0.3, kn=1e6)), 0.18)
         velocity, f = file["joint/velocity"][:, 0] @ along, file["joint/force"][:, 0] @ along
         check(f"{name}: comes back with the speed of a damped stop", abs(-velocity[-1] / v - 1.0), 5e-3)
-        check(f"{name}: the stop does not pull [N]", -min(0.0, f.min()), 1e-6)
+        check(f"{name}: the stop does not pull [of its push]", -min(0.0, f.min()) / f.max(), 1e-3)
         lost = file["joint/dissipated_energy"][-1, 0]
         check(f"{name}: the loss is dissipated", abs(lost / (1.0 - v**2) - 1.0), 1e-2)
 
