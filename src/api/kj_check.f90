@@ -4,7 +4,19 @@ module kj_check
    implicit none
    private
 
-   public :: check_t
+   public :: check_t, limit_row_t
+
+   !> Stop and friction of one direction of a joint; stops 0 and a friction limit 0: none
+   type :: limit_row_t
+      integer :: joint = 0                        !! index among the joints of the report
+      integer :: dof = 0                          !! direction, 1-6
+      real(wp) :: lo = 0.0_wp, hi = 0.0_wp        !! stops
+      logical :: combined = .false.               !! one circle or sphere with others
+      real(wp) :: stop_k = 0.0_wp                 !! stiffness of the stops; 0: automatic
+      real(wp) :: slip = 0.0_wp                   !! limit of friction, or scale of its function
+      integer :: slip_curve = 0                   !! id of the function, 0 = none
+      real(wp) :: slip_k = 0.0_wp                 !! stiffness of friction
+   end type limit_row_t
 
    !> Joints, bodies and time-step limits; all in work units, ids are those of the deck
    type :: check_t
@@ -27,6 +39,9 @@ module kj_check
       logical, allocatable :: automatic(:)        !! (n_joint) blocking comes from the first step
       real(wp), allocatable :: ratio(:)           !! (n_joint) largest damping ratio of all dofs
       real(wp), allocatable :: step(:)            !! (n_joint) critical step of the joint alone
+      real(wp), allocatable :: t_lock(:), t_free(:)   !! (n_joint) locked from, to; huge: never
+      !> stops and friction, in deck order of the joints; KJOINT2 only
+      type(limit_row_t), allocatable :: limit(:)
       ! bodies in ascending id
       integer, allocatable :: body_id(:), n_secondary(:), n_joint(:)   !! (n_body)
       real(wp), allocatable :: mass(:)            !! (n_body)

@@ -13,7 +13,7 @@ module kjoint
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
-   use kj_check, only: check_t
+   use kj_check, only: check_t, limit_row_t
    implicit none
    private
 
@@ -21,7 +21,7 @@ module kjoint
    public :: ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, SEV_ERROR
    public :: run_options_t, run_status_t, simulation_t, monitor_t
    public :: load_simulation, run_simulation, simulation_title, default_output
-   public :: check_t, check_simulation
+   public :: check_t, limit_row_t, check_simulation
 
    !> What a run may be told; '' and 0 stand for the defaults
    type :: run_options_t

@@ -1,7 +1,8 @@
 !> Bodies of the public module: what a scene is like before it runs.
 submodule (kjoint) kjoint_check
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_DAMPER_CURVE
+   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
+   use kj_joint_stop, only: has_friction
    use kj_curve, only: curve_set_t, law_value
    use kj_c_blocking, only: start_scene
    use kj_c_bound, only: bound_t, new_bound, nodal_bound, exact_bound
@@ -17,6 +18,7 @@ contains
       report%n_curve = sim%model%curves%n
       report%n_load = size(sim%model%cload) + size(sim%model%gravity)
       call tell_joints(sim%model, report)
+      call tell_stops(sim%model, report)
       call tell_bodies(sim%model, report)
       call tell_limits(sim%model, report)
    end procedure check_simulation
@@ -56,6 +58,52 @@ contains
          end associate
       end do
    end subroutine tell_joints
+
+   !> Stops, friction and locks of KJOINT2
+   subroutine tell_stops(model, report)
+      type(model_t), intent(in) :: model
+      type(check_t), intent(inout) :: report
+
+      type(limit_row_t) :: row
+      integer :: j, dof
+
+      allocate (report%t_lock(model%n_joint), report%t_free(model%n_joint), source=huge(1.0_wp))
+      allocate (report%limit(0))
+      do j = 1, model%n_joint
+         associate (b => model%batch(model%joint(j)%batch), p => model%joint(j)%place)
+            if (.not. b%limited) cycle
+            report%t_lock(j) = b%limit%t_lock(p)
+            report%t_free(j) = b%limit%t_free(p)
+            do dof = 1, NDOF
+               row = limit_row(model, b, p, dof)
+               row%joint = j
+               if (row%lo < 0.0_wp .or. row%hi > 0.0_wp .or. row%slip > 0.0_wp) &
+                  report%limit = [report%limit, row]
+            end do
+         end associate
+      end do
+   end subroutine tell_stops
+
+   !> Stop and friction of one direction of joint p of a batch
+   pure function limit_row(model, b, p, dof) result(row)
+      type(model_t), intent(in) :: model
+      type(joint_batch_t), intent(in) :: b
+      integer, intent(in) :: p, dof
+      type(limit_row_t) :: row
+
+      associate (l => b%limit)
+         row%dof = dof
+         row%lo = l%lo(p, dof)
+         row%hi = l%hi(p, dof)
+         row%combined = l%combined(p, dof) > 0.0_wp
+         row%stop_k = l%k(p, dof)
+         if (.not. row%stop_k > 0.0_wp) row%stop_k = l%k_block(p, merge(1, 2, dof <= 3))
+         if (.not. has_friction(l%k(p, dof), l%slip(p, dof), l%slip_curve(p, dof))) return
+         row%slip = l%slip(p, dof)
+         row%slip_k = l%k(p, dof)
+         if (l%slip_curve(p, dof) > 0) row%slip_curve = model%curves%id(l%slip_curve(p, dof))
+      end associate
+   end function limit_row
 
    !> Largest c/(2 sqrt(k m)) of all dofs with a stiffness; curves count with their slope at 0
    pure real(wp) function damping_ratio(curves, law, k, c, k_curve, c_curve, reduced) result(ratio)

@@ -8,6 +8,7 @@ module kj_check_command
    use kj_terminal, only: print_line, may_colour, STDERR
    use kj_render, only: print_findings, print_failure
    use kj_json, only: json_member, json_text, json_real, json_findings
+   use kj_check_limits, only: print_limits, limits_json
    use kj_run_command, only: default_engine, check_end, take_options, exit_code
    use kjoint, only: simulation_t, run_options_t, check_t, load_simulation, check_simulation, &
       simulation_title
@@ -105,6 +106,7 @@ contains
       end do
       call print_line('   blocking k of rotations: moment per rad; damping: largest ratio '// &
          'c/(2 sqrt(k m)) of all directions')
+      call print_limits(report)
    end subroutine print_joints
 
    subroutine print_bodies(report)
@@ -301,16 +303,17 @@ contains
       json = '{'//json_member('id', str(report%joint(j)))// &
          ', '//json_member('type', json_text(trim(type_text(report, j))))// &
          ', '//json_member('property', str(report%property(j)))// &
-         ', '//json_member('nodes', '['//str(report%node(1, j))//', '//str(report%node(2, &
-         j))//']')// &
-         ', '//json_member('bodies', '['//str(report%body(1, j))//', '//str(report%body(2, &
-         j))//']')// &
+         ', '//json_member('nodes', '['//str(report%node(1, j))//', '// &
+         str(report%node(2, j))//']')// &
+         ', '//json_member('bodies', '['//str(report%body(1, j))//', '// &
+         str(report%body(2, j))//']')// &
          ', '//json_member('frame', json_text(trim(frame_text(report%frame(j)))))// &
          ', '//json_member('length', json_real(report%length(j)))// &
          ', '//json_member('blocking_translation', json_real(report%blocking(1, j)))// &
          ', '//json_member('blocking_rotation', json_real(report%blocking(2, j)))// &
          ', '//json_member('damping_ratio', json_real(report%ratio(j)))// &
-         ', '//json_member('critical_step', json_step(report%step(j)))//'}'
+         ', '//json_member('critical_step', json_step(report%step(j)))// &
+         ', '//limits_json(report, j)//'}'
    end function joint_json
 
    function body_json(report, b) result(json)

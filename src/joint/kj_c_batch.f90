@@ -47,7 +47,7 @@ module kj_c_batch
    !> State
    type :: c_joint_t
       real(wp), allocatable :: q(:, :)           !! (n, 6) coordinates
-      real(wp), allocatable :: fe(:, :)          !! (n, 6) elastic force on node 1
+      real(wp), allocatable :: fe(:, :)          !! (n, 6) elastic force on node 1, without friction
       real(wp), allocatable :: fd(:, :)          !! (n, 6) damping force on node 1
       !> (n) work done on springs and on dampers
       real(wp), allocatable :: elastic(:), dissipated(:)
@@ -58,12 +58,15 @@ module kj_c_batch
       !> (n, 6) rates with the velocities of the half step
       real(wp), allocatable :: qd(:, :)
       ! of limited batches only
-      real(wp), allocatable :: friction(:, :)    !! (n, 6) friction on node 1, part of fe
+      real(wp), allocatable :: friction(:, :)    !! (n, 6) friction on node 1, beside fe
       real(wp), allocatable :: grip(:, :)        !! (n, 6) limit of friction, now; 0 = none
-      real(wp), allocatable :: c_limit(:, :)     !! (n, 6) damping of stuck friction and lock, now
+      !> (n, 6) damping of stops, stuck friction and lock, now
+      real(wp), allocatable :: c_limit(:, :)
+      !> (n, 2) damping of combined stops, translations and rotations, and (n, 6) its directions
+      real(wp), allocatable :: c_round(:, :), to_round(:, :)
       real(wp), allocatable :: slip_energy(:)    !! (n) energy that sliding took
       real(wp), allocatable :: stored(:)         !! (n) energy in stops, stuck friction and lock
-      logical, allocatable :: locked(:)          !! (n) has been locked
+      logical, allocatable :: locked(:)          !! (n) is held by its lock
       real(wp), allocatable :: q_lock(:, :)      !! (n, 6) coordinates held by the lock
       integer, allocatable :: flag(:, :)         !! (n, 6) DOF_ constant
    end type c_joint_t
@@ -103,7 +106,8 @@ contains
       integer, intent(in) :: n
       type(c_joint_t), intent(inout) :: joint
 
-      allocate (joint%friction(n, 6), joint%grip(n, 6), joint%c_limit(n, 6), &
+      allocate (joint%friction(n, 6), joint%grip(n, 6), joint%c_limit(n, 6), joint%c_round(n, 2), &
+         joint%to_round(n, 6), &
          joint%slip_energy(n), joint%stored(n), joint%q_lock(n, 6), source=0.0_wp)
       allocate (joint%locked(n), source=.false.)
       allocate (joint%flag(n, 6), source=DOF_FREE)

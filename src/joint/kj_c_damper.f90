@@ -9,6 +9,7 @@ module kj_c_damper
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, c_joint_t, N_B
    use kj_c_force, only: poses_t, rates, put_wrench, add_moment
+   use kj_c_limit, only: damp_round_stops
    implicit none
    private
 
@@ -51,6 +52,7 @@ contains
          if (h > 0.0_wp) then
             call compliance(batch, poses, from, n, joint%b(:, :, at), s)
             call solve(n, 0.5_wp*h, c, s, f)
+            if (batch%limited) call damp_round_stops(joint, h, from, n, rate, s, f)
          end if
          moment(:n, :) = 0.0_wp
          call add_moment(n, f(:, 4:6), joint%b(:, 28:36, at), moment)

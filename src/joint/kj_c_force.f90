@@ -1,5 +1,5 @@
-!> Forces of the joints of a batch under the consistent formulation: pass 1 of a step, coordinates
-!> and springs from the poses. Pass 2, the dampers, is in kj_c_damper.
+!> Forces of the joints of a batch under the consistent formulation: pass 1 of a step, coordinates,
+!> springs and limits from the poses. Pass 2, the dampers, is in kj_c_damper.
 !> Source: consistent.md 1.
 module kj_c_force
    use kj_kinds, only: wp
@@ -9,6 +9,7 @@ module kj_c_force
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, N_B
    use kj_c_limit, only: add_limits
+   use kj_c_friction, only: turn_in_frame
    use kj_c_chart, only: relative_pose, twist_chart, vector_chart, first_skew
    use kj_c_universal, only: universal_chart
    implicit none
@@ -38,7 +39,7 @@ module kj_c_force
 contains
 
    !> Pass 1 for joints lo..hi: coordinates, B, spring forces, spring work, rates with the
-   !> velocities of the half step; wrench of the springs and of the dampers as they were.
+   !> velocities of the half step; wrench of springs and limits, and of the dampers as they were.
    !>
    !> lo is the first joint of a block: a multiple of BLOCK, plus 1.
    pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
@@ -59,7 +60,7 @@ contains
          n = to - from + 1
          at = (from - 1)/BLOCK + 1
          call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
-         call laws(batch, curves, poses, from, n, q, joint, f, lost)
+         call laws(batch, curves, poses, from, n, q, joint%b(:, 28:36, at), joint, f, lost)
          call keep_coordinates(from, n, q, f, joint)
          if (batch%limited) then
             joint%elastic(from:to) = joint%elastic(from:to) - lost(:n)
@@ -76,6 +77,7 @@ contains
             do k = 1, 6
                joint%qd(from:to, k) = q(:n, k)
                q(:n, k) = joint%fd(from:to, k)
+               if (batch%limited) q(:n, k) = q(:n, k) + joint%friction(from:to, k)
             end do
             f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
             call add_moment(n, q(:, 4:6), joint%b(:, 28:36, at), moment)
@@ -104,17 +106,18 @@ contains
       end do
    end subroutine keep_coordinates
 
-   !> Forces of springs and limits; joint holds the coordinates of the last step
-   pure subroutine laws(batch, curves, poses, from, n, q, joint, f, lost)
+   !> Forces of springs, stops and locks, and the friction of the joints and its work; joint holds
+   !> the coordinates of the last step
+   pure subroutine laws(batch, curves, poses, from, n, q, rot, joint, f, lost)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
-      real(wp), intent(in) :: q(BLOCK, 6)
+      real(wp), intent(in) :: q(BLOCK, 6), rot(BLOCK, 9)
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(out) :: f(BLOCK, 6), lost(BLOCK)
 
-      real(wp) :: now(BLOCK, 6), before(BLOCK, 6)
+      real(wp), dimension(BLOCK, 6) :: now, before, slid, friction
       integer :: k, to
 
       if (.not. (batch%shifted .or. batch%limited)) then
@@ -133,8 +136,14 @@ contains
       do k = 1, NDOF
          call spring(batch, curves, from, n, k, now(:, k), f(:, k))
       end do
-      if (batch%limited) call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, &
-         joint, f, lost)
+      if (.not. batch%limited) return
+      slid(:n, :) = now(:n, :) - before(:n, :)
+      if (batch%chart == CHART_VECTOR) call turn_in_frame(batch, poses%psi, from, n, rot, slid)
+      friction(:n, :) = joint%friction(from:to, :)
+      call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, joint, f, &
+         lost)
+      joint%elastic(from:to) = joint%elastic(from:to) + 0.5_wp* &
+         sum(slid(:n, :)*(friction(:n, :) + joint%friction(from:to, :)), dim=2)
    end subroutine laws
 
    !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are

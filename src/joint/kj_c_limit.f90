@@ -1,153 +1,74 @@
 !> Stops, friction and lock of a block of joints under the consistent formulation.
 !>
-!>   stop      f = k over along its direction, on both sides: a potential, nothing is lost
+!>   stop      f = k over along its direction, on both sides: a potential. With a Cr it is damped as
+!>             blocked directions are, but never by more than its force: it begins without a jump
+!>             and does not pull. Without, nothing is lost
 !>   combined  one circle or sphere: over = |q - c| - rho along (q - c)/|q - c|
-!>   friction  elastic-plastic: r := r + k dq, brought back to |r| <= limit. What slides, p, is the
-!>             part of dq that does not strain the spring; r p >= 0 is lost. Combined directions
-!>             share the ellipse sum (r/limit)^2 <= 1
+!>   friction  elastic-plastic (kj_c_friction)
 !>   lock      f = k_block (q - q0), q0 the coordinate when the sensor acts
 !>
 !> Forces of one direction add up. A stuck spring and a lock are damped by Cr as blocked directions
-!> are; that is left to the dampers (c_limit). Signs are those of q: f on node 1.
+!> are; that is left to the dampers (c_limit). Signs are those of q: force on node 1.
 module kj_c_limit
    use kj_kinds, only: wp
-   use kj_curve, only: curve_set_t, law_value
+   use kj_curve, only: curve_set_t
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: DOF_FREE, DOF_SLIDING, DOF_STICKING, DOF_AT_STOP, DOF_LOCKED, &
-      DOF_BLOCKED
+   use kj_joint_batch, only: DOF_FREE, DOF_AT_STOP, DOF_LOCKED, DOF_BLOCKED
    use kj_joint_frame, only: BLOCK
    use kj_joint_stop, only: plain_overlap, has_friction
    use kj_c_batch, only: c_batch_t, c_joint_t
+   use kj_c_friction, only: rub
    implicit none
    private
 
-   public :: add_limits, limit_stiffness, stop_stiffness
+   public :: add_limits, damp_round_stops, limit_stiffness, stop_stiffness
 
    real(wp), parameter :: TINY_VALUE = 1.0e-20_wp         !! nothing is given
    real(wp), parameter :: TWO_PI = 6.28318530717958647692528676656_wp
 
 contains
 
-   !> Add the limits of joints from..from + n - 1 to the forces of a block.
+   !> Limits of joints from..from + n - 1: forces of stops and locks added to those of a block, and
+   !> the friction.
    !>
-   !> joint%grip, c_limit, stored and flag are set anew; friction, slip_energy, locked, q_lock
-   !> advance.
-   pure subroutine add_limits(batch, curves, time, h, from, n, before, q, joint, f, lost)
+   !> joint%grip, c_limit, c_round, to_round, stored and flag are set anew; friction, slip_energy,
+   !> locked, q_lock advance.
+   pure subroutine add_limits(batch, curves, time, h, from, n, before, q, slid, joint, f, lost)
       type(c_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time, h            !! now, and the step that led here (0: none)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)   !! coordinates at time - h, time
+      real(wp), intent(in) :: slid(BLOCK, NDOF)  !! way of the step that friction sees
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(inout) :: f(BLOCK, NDOF)
-      real(wp), intent(out) :: lost(BLOCK)       !! energy that friction took in this step
+      real(wp), intent(out) :: lost(BLOCK)       !! energy that friction or a release took
 
       integer :: to, dof
 
       to = from + n - 1
       joint%stored(from:to) = 0.0_wp
       joint%c_limit(from:to, :) = 0.0_wp
+      joint%c_round(from:to, :) = 0.0_wp
       do dof = 1, NDOF
          joint%flag(from:to, dof) = merge(DOF_FREE, DOF_BLOCKED, &
             joint_types(batch%row)%free(dof) == 1)
       end do
       lost = 0.0_wp
-      call rub(batch, curves, h, from, n, before, q, joint, f, lost)
-      call stop_plain(batch, from, n, q, joint, f)
-      call stop_combined(batch, from, n, 1, 3, q, joint, f)
-      call stop_combined(batch, from, n, 4, 6, q, joint, f)
-      call lock(batch, time, h, from, n, before, q, joint, f)
+      call rub(batch, curves, h, from, n, q, slid, joint, lost)
       joint%slip_energy(from:to) = joint%slip_energy(from:to) + lost(:n)
+      call stop_plain(batch, h, from, n, before, q, joint, f)
+      call stop_combined(batch, h, from, n, 1, 3, before, q, joint, f)
+      call stop_combined(batch, h, from, n, 4, 6, before, q, joint, f)
+      call lock(batch, time, h, from, n, before, q, joint, f, lost)
    end subroutine add_limits
 
-   !> Friction of all directions
-   pure subroutine rub(batch, curves, h, from, n, before, q, joint, f, lost)
+   !> Stops of directions that are not combined
+   pure subroutine stop_plain(batch, h, from, n, before, q, joint, f)
       type(c_batch_t), intent(in) :: batch
-      type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
-      type(c_joint_t), intent(inout) :: joint
-      real(wp), intent(inout) :: f(BLOCK, NDOF), lost(BLOCK)
-
-      real(wp) :: trial(NDOF), most(NDOF), ratio(NDOF), y, slope
-      logical :: has(NDOF)
-      integer :: i, j, dof
-
-      associate (l => batch%limit)
-         do i = 1, n
-            j = from + i - 1
-            has = has_friction(l%k(j, :), l%slip(j, :), l%slip_curve(j, :))
-            if (.not. any(has)) cycle
-            ratio = 0.0_wp
-            most = 0.0_wp
-            do dof = 1, NDOF
-               if (.not. has(dof)) cycle
-               most(dof) = l%slip(j, dof)
-               if (l%slip_curve(j, dof) > 0) then
-                  call law_value(curves, l%slip_curve(j, dof), q(i, dof), y, slope)
-                  most(dof) = abs(most(dof)*y)
-               end if
-               trial(dof) = joint%friction(j, dof) + l%k(j, dof)*(q(i, dof) - before(i, dof))
-               ratio(dof) = abs(trial(dof))/max(most(dof), TINY_VALUE)
-            end do
-            call share(l%combined(j, :) > 0.0_wp .and. most > TINY_VALUE, ratio)
-            do dof = 1, NDOF
-               if (.not. has(dof)) cycle
-               call bring_back(h, l%k(j, dof), l%cr(j)*sqrt(l%k(j, dof)*batch%inertia(j, dof)), &
-                  most(dof), trial(dof), ratio(dof), q(i, dof) - before(i, dof), &
-                  joint%friction(j, dof), joint%c_limit(j, dof), lost(i))
-               f(i, dof) = f(i, dof) + joint%friction(j, dof)
-               joint%grip(j, dof) = most(dof)
-               joint%stored(j) = joint%stored(j) + 0.5_wp*joint%friction(j, dof)**2/l%k(j, dof)
-               joint%flag(j, dof) = merge(DOF_SLIDING, DOF_STICKING, ratio(dof) > 1.0_wp)
-            end do
-         end do
-      end associate
-   end subroutine rub
-
-   !> Combined directions, translations and rotations for themselves, have one ratio of trial to
-   !> limit
-   pure subroutine share(combined, ratio)
-      logical, intent(in) :: combined(NDOF)      !! and not without any friction now
-      real(wp), intent(inout) :: ratio(NDOF)
-
-      integer :: s
-
-      do s = 1, 4, 3
-         if (count(combined(s:s + 2)) < 2) cycle
-         where (combined(s:s + 2)) &
-            ratio(s:s + 2) = norm2(pack(ratio(s:s + 2), combined(s:s + 2)))
-      end do
-   end subroutine share
-
-   !> Return of one direction to its limit, and the damping of its spring while it sticks: so much
-   !> that spring and damper together stay within the limit
-   pure subroutine bring_back(h, k, c, most, trial, ratio, change, r, c_limit, lost)
-      real(wp), intent(in) :: h, k, c            !! step, stiffness, damping of the stuck spring
-      real(wp), intent(in) :: most, trial, ratio !! limit, elastic force, force over limit
-      real(wp), intent(in) :: change             !! of the coordinate
-      real(wp), intent(inout) :: r               !! friction force
-      real(wp), intent(inout) :: c_limit, lost
-
-      real(wp) :: room
-
-      r = trial
-      if (ratio > 1.0_wp) then
-         r = trial/ratio
-         lost = lost + r*(trial - r)/k
-      else if (h > 0.0_wp) then
-         room = most
-         if (r*change > 0.0_wp) room = (1.0_wp - ratio)*most
-         c_limit = c_limit + min(c, room*h/max(abs(change), TINY_VALUE))
-      end if
-   end subroutine bring_back
-
-   !> Stops of directions that are not combined
-   pure subroutine stop_plain(batch, from, n, q, joint, f)
-      type(c_batch_t), intent(in) :: batch
-      integer, intent(in) :: from, n
-      real(wp), intent(in) :: q(BLOCK, NDOF)
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
@@ -167,22 +88,36 @@ contains
             f(i, dof) = f(i, dof) + k*over(i)
             joint%stored(j) = joint%stored(j) + 0.5_wp*k*over(i)**2
             joint%flag(j, dof) = DOF_AT_STOP
+            joint%c_limit(j, dof) = joint%c_limit(j, dof) + stop_damping(batch, h, j, dof, k, &
+               abs(over(i)), q(i, dof) - before(i, dof))
          end do
       end do
    end subroutine stop_plain
 
+   !> Damping of a stop of stiffness k: as Cr has it, but no stronger than its force
+   pure real(wp) function stop_damping(batch, h, j, dof, k, over, change) result(c)
+      type(c_batch_t), intent(in) :: batch
+      real(wp), intent(in) :: h, k, over
+      integer, intent(in) :: j, dof
+      real(wp), intent(in) :: change             !! of the coordinate in the step
+
+      c = min(batch%limit%cr_stop(j)*sqrt(k*batch%inertia(j, dof)), &
+         k*over*h/max(abs(change), TINY_VALUE))
+   end function stop_damping
+
    !> Combined stops of directions first..last: a potential of the distance from the centre alone,
    !> with the least radius and the largest stiffness of them
-   pure subroutine stop_combined(batch, from, n, first, last, q, joint, f)
+   pure subroutine stop_combined(batch, h, from, n, first, last, before, q, joint, f)
       type(c_batch_t), intent(in) :: batch
+      real(wp), intent(in) :: h
       integer, intent(in) :: from, n, first, last
-      real(wp), intent(in) :: q(BLOCK, NDOF)
+      real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
       real(wp) :: d(first:last), reach, over, k
       logical :: in(first:last)
-      integer :: i, j, dof
+      integer :: i, j, dof, stiffest
 
       do i = 1, n
          j = from + i - 1
@@ -194,46 +129,95 @@ contains
             over = reach - minval(0.5_wp*(hi - lo), mask=in)
             if (.not. over > 0.0_wp) cycle
          end associate
-         k = 0.0_wp
+         k = -1.0_wp
+         stiffest = first
          do dof = first, last
-            if (in(dof)) k = max(k, stop_stiffness(batch, j, dof))
+            if (.not. in(dof) .or. stop_stiffness(batch, j, dof) <= k) cycle
+            k = stop_stiffness(batch, j, dof)
+            stiffest = dof
          end do
-         f(i, first:last) = f(i, first:last) + k*over*d/reach
+         d = d/reach
+         f(i, first:last) = f(i, first:last) + k*over*d
          joint%stored(j) = joint%stored(j) + 0.5_wp*k*over**2
          where (in) joint%flag(j, first:last) = DOF_AT_STOP
+         joint%to_round(j, first:last) = d
+         joint%c_round(j, last/3) = stop_damping(batch, h, j, stiffest, k, over, &
+            dot_product(d, q(i, first:last) - before(i, first:last)))
       end do
    end subroutine stop_combined
 
+   !> Damping of combined stops along their direction d, after that of the single directions: the
+   !> implicit f = c (d.rate - h/2 d.S change)/(1 + h/2 c d.S d), added along d to change, that of
+   !> the damping forces of the block
+   pure subroutine damp_round_stops(joint, h, from, n, rate, s, change)
+      type(c_joint_t), intent(in) :: joint
+      real(wp), intent(in) :: h
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: rate(BLOCK, NDOF)  !! predicted
+      real(wp), intent(in) :: s(BLOCK, 21)       !! B M^-1 B^T, lower triangle by rows
+      real(wp), intent(inout) :: change(BLOCK, NDOF)
+
+      real(wp) :: d(NDOF), sd(NDOF), c, f
+      integer :: i, k, l, part
+
+      do i = 1, n
+         do part = 1, 2
+            c = joint%c_round(from + i - 1, part)
+            if (.not. c > 0.0_wp) cycle
+            d = 0.0_wp
+            d(3*part - 2:3*part) = joint%to_round(from + i - 1, 3*part - 2:3*part)
+            do k = 1, NDOF
+               sd(k) = 0.0_wp
+               do l = 1, NDOF
+                  sd(k) = sd(k) + s(i, max(k, l)*(max(k, l) - 1)/2 + min(k, l))*d(l)
+               end do
+            end do
+            f = c*(dot_product(d, rate(i, :)) - 0.5_wp*h*dot_product(sd, change(i, :)))/ &
+               (1.0_wp + 0.5_wp*h*c*dot_product(d, sd))
+            change(i, :) = change(i, :) + f*d
+         end do
+      end do
+   end subroutine damp_round_stops
+
    !> Lock of the free directions while the sensor acts. q0 is the coordinate at its very time, so
-   !> the force starts from zero; the damping comes in over the first period of the lock.
-   pure subroutine lock(batch, time, h, from, n, before, q, joint, f)
+   !> the force starts from zero; the damping comes in over the first period of the lock. When the
+   !> sensor lets go, what the lock holds is lost.
+   pure subroutine lock(batch, time, h, from, n, before, q, joint, f, lost)
       type(c_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time, h
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(c_joint_t), intent(inout) :: joint
-      real(wp), intent(inout) :: f(BLOCK, NDOF)
+      real(wp), intent(inout) :: f(BLOCK, NDOF), lost(BLOCK)
 
-      real(wp) :: k, m, part
+      real(wp) :: k, m, part, strain
+      logical :: holds
       integer :: i, j, dof
 
       do i = 1, n
          j = from + i - 1
          associate (l => batch%limit)
-            if (.not. time > l%t_lock(j)) cycle
+            holds = time > l%t_lock(j) .and. time <= l%t_free(j)
+            if (.not. (holds .or. joint%locked(j))) cycle
             if (.not. joint%locked(j)) then
                part = 1.0_wp
                if (h > 0.0_wp) part = max(0.0_wp, 1.0_wp - (time - l%t_lock(j))/h)
                joint%q_lock(j, :) = before(i, :) + part*(q(i, :) - before(i, :))
-               joint%locked(j) = .true.
             end if
-            if (time > l%t_free(j)) cycle
+            joint%locked(j) = holds
             do dof = 1, NDOF
                if (joint_types(batch%row)%free(dof) == 0) cycle
                k = l%k_block(j, merge(1, 2, dof <= 3))
                m = batch%inertia(j, dof)
-               f(i, dof) = f(i, dof) + k*(q(i, dof) - joint%q_lock(j, dof))
-               joint%stored(j) = joint%stored(j) + 0.5_wp*k*(q(i, dof) - joint%q_lock(j, dof))**2
+               strain = q(i, dof) - joint%q_lock(j, dof)
+               if (.not. holds) then
+                  ! what is left of k strain^2/2 by the trapezoidal rule of the work
+                  lost(i) = lost(i) + max(0.0_wp, 0.5_wp*k*strain*(before(i, dof) - &
+                     joint%q_lock(j, dof)))
+                  cycle
+               end if
+               f(i, dof) = f(i, dof) + k*strain
+               joint%stored(j) = joint%stored(j) + 0.5_wp*k*strain**2
                joint%flag(j, dof) = DOF_LOCKED
                if (.not. m > 0.0_wp) cycle
                joint%c_limit(j, dof) = joint%c_limit(j, dof) + l%cr(j)*sqrt(k*m)* &

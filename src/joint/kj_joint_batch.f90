@@ -31,6 +31,7 @@ module kj_joint_batch
       real(wp), allocatable :: slip(:, :)       !! (n, 6) friction limit, or scale of its curve
       integer, allocatable :: slip_curve(:, :)  !! (n, 6) curve of q, 0 = none
       real(wp), allocatable :: cr(:)            !! (n) critical damping ratio where a limit acts
+      real(wp), allocatable :: cr_stop(:)       !! (n) the same of stops, consistent: as typed
       real(wp), allocatable :: k_block(:, :)    !! (n, 2) blocked translations, rotations
       logical, allocatable :: automatic(:)      !! (n) k_block comes from the first step
       real(wp), allocatable :: scale(:)         !! (n) SCF: scale of the automatic stiffness
@@ -107,7 +108,7 @@ contains
       batch%limited = .true.
       associate (n => batch%n, l => batch%limit)
          allocate (l%lo(n, NDOF), l%hi(n, NDOF), l%combined(n, NDOF), l%k(n, NDOF), &
-            l%slip(n, NDOF), l%cr(n), l%k_block(n, 2), l%scale(n), source=0.0_wp)
+            l%slip(n, NDOF), l%cr(n), l%cr_stop(n), l%k_block(n, 2), l%scale(n), source=0.0_wp)
          allocate (l%slip_curve(n, NDOF), source=0)
          allocate (l%automatic(n), source=.false.)
          allocate (l%t_lock(n), l%t_free(n), source=huge(1.0_wp))

@@ -110,6 +110,7 @@ contains
       limit%slip(i, :) = p%slip
       limit%slip_curve(i, :) = p%slip_curve
       limit%cr(i) = p%cr
+      limit%cr_stop(i) = p%cr_stop
       limit%k_block(i, :) = joint%k_block
       limit%automatic(i) = p%automatic
       limit%scale(i) = p%scf

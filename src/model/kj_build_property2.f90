@@ -82,6 +82,7 @@ contains
       p%cr = real_of(cards, 'Cr')
       if (p%cr < 0.0_wp .or. p%cr > 1.0_wp) call report(deck, cards, 'Cr', SEV_ERROR, 'KJ-0388', &
          'the critical damping ratio is not between 0 and 1', 'expected: 0 to 1', findings)
+      p%cr_stop = p%cr
       if (abs(p%cr) <= 0.0_wp) p%cr = 0.05_wp
    end subroutine read_blocking
 

@@ -16,6 +16,7 @@ module kj_joint_draft
       integer :: frame = 0                      !! FRAME_ constant
       integer :: skew(2) = 0                    !! skew indices
       real(wp) :: kn = 0.0_wp, cr = 0.0_wp
+      real(wp) :: cr_stop = 0.0_wp              !! Cr as typed: its default is not for stops
       real(wp) :: k(NDOF) = 0.0_wp, c(NDOF) = 0.0_wp      !! of the free dofs
       integer :: k_curve(NDOF) = 0, c_curve(NDOF) = 0
       ! KJOINT2 only

@@ -167,6 +167,7 @@ contains
 
       if (turn < 0.02_wp) return
       write (buffer, '(f8.3)') turn
+      if (turn >= 1.0e3_wp) write (buffer, '(es8.1)') turn
       call warn(findings, 'KJ-9206', 'rigid body '//str(model%body_id(body))//' turns by '// &
          trim(adjustl(buffer))// &
          ' rad in a step: the legacy scheme is first order in the spin, and its '// &

@@ -210,16 +210,20 @@ contains
                y = merge(real(DOF_FREE, wp), real(DOF_BLOCKED, wp), free == 1)
                if (allocated(s%flag)) y = real(s%flag(j, :), wp)
             case (CH_J_FRICTION); if (allocated(s%slip_energy)) y = s%slip_energy(j)
-            case (CH_J_GAP); y = gaps(model%batch(ref%batch), j, s%q(j, :), 1, 3)
-            case (CH_J_GAP_ROT); y = gaps(model%batch(ref%batch), j, s%q(j, :), 4, 6)
+            case (CH_J_GAP)
+               y = gaps(model%batch(ref%batch), state%staggered, j, s%q(j, :), 1, 3)
+            case (CH_J_GAP_ROT)
+               y = gaps(model%batch(ref%batch), state%staggered, j, s%q(j, :), 4, 6)
             end select
          end associate
       end associate
    end function joint_value
 
-   !> How far directions first..last are from their nearest stop; negative beyond it
-   pure function gaps(batch, j, q, first, last) result(gap)
+   !> How far directions first..last are from their nearest stop; negative beyond it. Combined stops
+   !> have one radius, the least of theirs, but each its own under legacy.
+   pure function gaps(batch, legacy, j, q, first, last) result(gap)
       type(joint_batch_t), intent(in) :: batch
+      logical, intent(in) :: legacy
       integer, intent(in) :: j, first, last
       real(wp), intent(in) :: q(:)
       real(wp) :: gap(first:last)
@@ -242,6 +246,8 @@ contains
                if (lo(dof) < 0.0_wp) gap(dof) = min(gap(dof), q(dof) - lo(dof))
             end if
          end do
+         if (.not. legacy) where (combined(first:last) > 0.0_wp) gap = &
+            minval(gap, mask=combined(first:last) > 0.0_wp)
       end associate
    end function gaps
 

@@ -5,7 +5,7 @@ module kj_c_advance
    use kj_model, only: model_t
    use kj_skew, only: axis_of
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE
-   use kj_c_batch, only: CHART_VECTOR
+   use kj_c_batch, only: c_batch_t, CHART_VECTOR
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
    use kj_c_hold, only: held_force
@@ -128,8 +128,7 @@ contains
    end subroutine march
 
    !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
-   !> ends,
-   !> and that has a spring, a curve or a mean frame that hangs on them; 0 when there is none
+   !> ends, and that has something that hangs on them; 0 when there is none
    pure integer function full_turn(c, state) result(joint)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(in) :: state
@@ -140,14 +139,28 @@ contains
       do b = 1, size(c%batch)
          if (c%batch(b)%chart /= CHART_VECTOR) cycle
          do i = 1, c%batch(b)%n
-            if (c%batch(b)%plain(i) .and. .not. c%batch(b)%limited .and. &
-               all(iand(c%batch(b)%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) == 0)) cycle
+            if (.not. needs_angles(c%batch(b), i)) cycle
             joint = c%batch(b)%first + i
             if (norm2(state%joint(b)%q(i, 4:6)) > NEAR) return
          end do
       end do
       joint = 0
    end function full_turn
+
+   !> Joint i has a spring, a stop, a lock, a limit of friction or a mean frame that hangs on its
+   !> angles
+   pure logical function needs_angles(batch, i) result(needs)
+      type(c_batch_t), intent(in) :: batch
+      integer, intent(in) :: i
+
+      needs = .not. batch%plain(i) .or. &
+         any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
+      if (.not. batch%limited) return
+      associate (l => batch%limit)
+         needs = needs .or. any(l%lo(i, 4:6) < 0.0_wp) .or. any(l%hi(i, 4:6) > 0.0_wp) .or. &
+            any(l%slip_curve(i, 4:6) > 0) .or. l%t_lock(i) < huge(1.0_wp)
+      end associate
+   end function needs_angles
 
    pure integer function needed_steps(span, limit) result(n)
       real(wp), intent(in) :: span, limit

@@ -160,8 +160,8 @@ contains
       do b = 1, size(c%batch)
          associate (joint => cs%joint(b), out => state%joint(b))
             out%q = joint%q
-            if (c%batch(b)%limited) call publish_limits(c%batch(b), joint, out)
             out%f = joint%fe + joint%fd
+            if (c%batch(b)%limited) call publish_limits(c%batch(b), joint, out)
             out%energy = joint%elastic + joint%dissipated
             call joint_rates(c%batch(b), cs%poses, joint, out%qdot)
             do j = 1, c%batch(b)%n
@@ -203,6 +203,7 @@ contains
       type(c_joint_t), intent(in) :: joint
       type(joint_state_t), intent(inout) :: out
 
+      out%f = out%f + joint%friction
       out%k_block = batch%limit%k_block
       out%friction = joint%friction
       out%slip_energy = joint%slip_energy

@@ -172,6 +172,41 @@ class Run(Program):
             self.assertEqual(json.loads(first)[key], json.loads(second)[key])
 
 
+class Check(Program):
+    """What `kjoint check` tells of joints with limits: the numbers typed in the decks."""
+
+    def report(self, deck):
+        deck = SOURCE / deck
+        report = json.loads(self.kjoint("check", "--json", deck).stdout)
+        return report["joints"][0], self.kjoint("check", deck).stdout
+
+    def test_stops_and_friction_of_the_door(self):
+        joint, text = self.report("decks/door_hinge_0000.rad")
+        self.assertEqual([{"direction": "rx", "lower_stop": -0.02, "upper_stop": 1.57, "combined": False,
+                           "stop_stiffness": 4e4, "friction": 4.0, "friction_function": 0,
+                           "friction_stiffness": 4e4}], joint["limits"])
+        self.assertIsNone(joint["locked_from"])
+        self.assertRegex(text, r"901  rx +-2\.0000E-02 to 1\.5700E\+00 +4\.0000E\+04 +4\.0000E\+00 +4\.0000E\+04")
+
+    def test_combined_stops_of_the_knee(self):
+        joint, text = self.report("decks/knee_0000.rad")
+        self.assertEqual([("rx", False), ("ry", True), ("rz", True)],
+                         [(row["direction"], row["combined"]) for row in joint["limits"]])
+        self.assertEqual({None}, {row["friction"] for row in joint["limits"]})
+        self.assertIn("combined: one circle or sphere", text)
+
+    def test_a_lock_and_a_function(self):
+        joint, text = self.report("tests/parity45/KREV4/KREV4_0000.rad")
+        self.assertEqual((0.1, None, []), (joint["locked_from"], joint["locked_to"], joint["limits"]))
+        self.assertIn("900  locked from 1.0000E-01", text)
+        joint, text = self.report("tests/parity45/KTRA4/KTRA4_0000.rad")
+        self.assertEqual(41, joint["limits"][0]["friction_function"])
+        self.assertIn("6.0000E+00 * f 41", text)
+
+    def test_joints_without_limits_have_no_such_table(self):
+        self.assertNotIn("friction", self.kjoint("check", "REV01_0000.rad").stdout)
+
+
 class Diff(Program):
     """The verdicts of diff on whole files; its numbers are tested in tests/diff and tests/unit."""
 
