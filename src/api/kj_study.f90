@@ -5,7 +5,7 @@ module kj_study
    use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, ERR_RUN
    use kj_study_metric, only: study_sink_t, class_errors, N_CLASS
    use kjoint, only: run_options_t, run_status_t, simulation_t, monitor_t, load_simulation, &
-      run_simulation, simulation_title
+      run_simulation, simulation_title, simulation_reach
    implicit none
    private
 
@@ -28,8 +28,7 @@ module kj_study
       real(wp) :: step = 0.0_wp                  !! mean time step
       logical :: by_deck = .false.               !! /DTIX limits it, not the joints
       real(wp) :: wall = 0.0_wp                  !! [s] the solver took, without sampling
-      !> [s] a joint and cycle (a body where there is no joint)
-      real(wp) :: per_cycle = 0.0_wp
+      real(wp) :: per_cycle = 0.0_wp             !! [s] a joint (else a body) and cycle
       real(wp) :: error(N_CLASS) = 0.0_wp        !! by CLASSES of kj_study_metric
       real(wp) :: score = 0.0_wp                 !! largest error in displacement and rotation
       real(wp) :: energy = 0.0_wp                !! largest |energy error|, a fraction
@@ -43,6 +42,7 @@ module kj_study
       type(trial_t) :: reference
       type(trial_t), allocatable :: trial(:)     !! families together, long steps first
       integer :: n_joint = 0, n_body = 0
+      real(wp) :: reach = 0.0_wp                 !! of moving bodies, length
       real(wp) :: floor = 0.0_wp                 !! scores below it may be errors of the reference
    end type study_t
 
@@ -77,8 +77,8 @@ module kj_study
 
    real(wp), parameter :: DT_SCALES(4) = [0.9_wp, 0.45_wp, 0.225_wp, 0.1125_wp]
    real(wp), parameter :: KN_SCALES(2) = [0.1_wp, 0.01_wp]
-   !> step of the reference over the shortest of the study
-   real(wp), parameter :: FINER = 0.25_wp
+   integer, parameter :: RK4_STEPS = 2           !! with shorter ones it is beyond the reference
+   real(wp), parameter :: FINER = 0.25_wp        !! step of the reference over the shortest
    real(wp), parameter :: SURE = 4.0_wp          !! floor of orders, over the error of the reference
    real(wp), parameter :: NOISE = 1.25_wp        !! of wall times
    integer, parameter :: FEWEST_ROWS = 20, ROWS = 200   !! where the deck samples too rarely
@@ -108,13 +108,11 @@ contains
       integer :: i, n_done
       call set_reference(options, study%reference%options)
       run = study%reference%options
-      call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, &
-         error)
+      call one_run(starter, engine, run, watcher, reference, study, findings, error)
       if (allocated(error)) return
       if (reference%n_row < FEWEST_ROWS) then
          run%sample = reference%t_last/ROWS
-         call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, &
-            error)
+         call one_run(starter, engine, run, watcher, reference, study, findings, error)
          if (allocated(error)) return
       end if
       call list_trials(options, study)
@@ -123,7 +121,8 @@ contains
       !$omp parallel do schedule(dynamic) num_threads(options%threads) private(sink)
       do i = 1, size(study%trial)
          if (watcher%wants_stop()) cycle
-         call one_trial(starter, engine, run%sample, watcher, reference, sink, study%trial(i))
+         call one_trial(starter, engine, run%sample, study%reach, watcher, reference, sink, &
+            study%trial(i))
          !$omp critical (kj_study_done)
          n_done = n_done + 1
          call watcher%run_done(n_done, size(study%trial) + 1, study%trial(i))
@@ -163,20 +162,24 @@ contains
 
       character(len=6), parameter :: INTEGRATORS(4) = ['split2', 'liemid', 'rkmk4 ', 'legacy']
       real(wp), allocatable :: dt(:), kn(:)
-      integer :: i, k
+      integer :: i, k, n, most
 
       dt = scales_of(options)
       kn = KN_SCALES
       if (allocated(options%kn_scale)) kn = options%kn_scale
       if (study%n_joint == 0) kn = kn(:0)
-      allocate (study%trial(4*size(dt) + size(kn)))
+      allocate (study%trial(3*size(dt) + min(RK4_STEPS, size(dt)) + size(kn)))
+      n = 0
       do k = 1, 4
-         do i = 1, size(dt)
-            study%trial((k - 1)*size(dt) + i)%options = setting(INTEGRATORS(k), dt(i), 1.0_wp)
+         most = size(dt)
+         if (INTEGRATORS(k) == 'rkmk4') most = min(RK4_STEPS, most)
+         do i = 1, most
+            n = n + 1
+            study%trial(n)%options = setting(INTEGRATORS(k), dt(i), 1.0_wp)
          end do
       end do
       do i = 1, size(kn)
-         study%trial(4*size(dt) + i)%options = setting('split2', maxval(dt), kn(i))
+         study%trial(n + i)%options = setting('split2', maxval(dt), kn(i))
       end do
    contains
       pure function setting(integrator, dt_scale, kn_scale) result(run)
@@ -194,12 +197,11 @@ contains
    end subroutine list_trials
 
    !> The reference, and what the scene is
-   subroutine one_run(starter, engine, run, watcher, sink, trial, study, findings, error)
+   subroutine one_run(starter, engine, run, watcher, sink, study, findings, error)
       character(len=*), intent(in) :: starter, engine
       type(run_options_t), intent(in) :: run
       class(watcher_t), intent(inout), target :: watcher
       type(study_sink_t), intent(inout) :: sink
-      type(trial_t), intent(inout) :: trial
       type(study_t), intent(inout) :: study
       type(finding_list_t), intent(inout) :: findings
       type(error_t), allocatable, intent(out) :: error
@@ -223,16 +225,17 @@ contains
       end if
       if (allocated(error)) return
       study%title = simulation_title(sim)
+      study%reach = simulation_reach(sim)
       study%n_joint = status%n_joint
       study%n_body = status%n_body
-      trial%good = .true.
-      call take_cost(status, sink, trial)
+      study%reference%good = .true.
+      call take_cost(status, sink, study%reference)
    end subroutine one_run
 
    !> One setting against the reference
-   subroutine one_trial(starter, engine, sample, watcher, reference, sink, trial)
+   subroutine one_trial(starter, engine, sample, reach, watcher, reference, sink, trial)
       character(len=*), intent(in) :: starter, engine
-      real(wp), intent(in) :: sample
+      real(wp), intent(in) :: sample, reach
       class(watcher_t), intent(inout), target :: watcher
       type(study_sink_t), intent(in) :: reference
       type(study_sink_t), intent(inout) :: sink
@@ -253,7 +256,7 @@ contains
       end if
       trial%done = .true.
       if (.not. trial%good) return
-      trial%error = class_errors(reference, sink)
+      trial%error = class_errors(reference, sink, reach)
       trial%score = maxval(trial%error(1:2))
       trial%good = trial%score < huge(1.0_wp)
    end subroutine one_trial
@@ -315,11 +318,9 @@ contains
    !> reference as that is to the truth.
    !>
    !> The reference has the scheme of the first family and a step FINER times as long as its
-   !> shortest.
-   !> With second order the last of the family is 1/FINER^2 - 1 errors of the reference away from
-   !> it;
-   !> and if the last two do not fit second order, the reference is to blame: it has its rounding,
-   !> too.
+   !> shortest. With second order the last of the family is 1/FINER^2 - 1 errors of the reference
+   !> away from it; and if the last two do not fit second order, the reference is to blame: it has
+   !> its rounding, too.
    pure subroutine find_orders(study)
       type(study_t), intent(inout) :: study
 

@@ -13,7 +13,7 @@ submodule (kjoint) kjoint_run
    use kj_c_publish, only: publish
    implicit none
 
-   real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality that is worth a warning [rad]
+   real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
    integer, parameter :: TICK_WORK = 20000      !! joint-cycles between two looks of the monitor
    character(len=8), parameter :: OWNER_NAME(0:3) = &
       ['none    ', 'node    ', 'body    ', 'joint   ']
@@ -37,7 +37,8 @@ contains
       call tell(sim, status)
       if (sim%state%turn_body > 0) call warn_large_turn(sim%model, sqrt(sim%state%turn2), &
          sim%state%turn_body, status%warnings)
-      if (sim%state%ortho_worst > LOOSE) call warn_loose_frame(sim%model, sim%state, status%warnings)
+      if (sim%state%ortho_worst > LOOSE) &
+         call warn_loose_frame(sim%model, sim%state, status%warnings)
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
       call monitor%tick(status, ignored)
@@ -197,8 +198,7 @@ contains
       if (.not. allocated(error) .and. allocated(sink_error)) call move_alloc(sink_error, error)
    end subroutine end_history
 
-   !> After a run: the axes of a joint have turned against each other or against the body that should
-   !> carry them
+   !> After a run: the axes of a joint have turned against each other or against their body
    subroutine warn_loose_frame(model, state, findings)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state
@@ -208,8 +208,9 @@ contains
       character(len=8) :: buffer
 
       write (buffer, '(es8.1)') state%ortho_worst
-      call fail(finding, ERR_INPUT, 'the frame of joint '//str(model%joint(state%ortho_joint)%id)// &
-         ' lost its orthogonality by up to '//trim(adjustl(buffer))//' rad', 'KJ-9207')
+      call fail(finding, ERR_INPUT, 'the frame of joint '// &
+         str(model%joint(state%ortho_joint)%id)// &
+         ' lost its orthogonality by up to '//trim(adjustl(buffer))//' rad', 'KJ-9216')
       finding%severity = SEV_WARNING
       call add_finding(findings, finding)
    end subroutine warn_loose_frame

@@ -26,20 +26,23 @@ contains
       integer :: i
 
       call print_line(study%title)
-      call print_line('   '//str(study%n_joint)//' joints, '//str(study%n_body)//' rigid bodies')
+      call print_line('   '//amount(study%n_joint, 'joint', 's')//', '// &
+         amount(study%n_body, 'rigid bod', 'ies'))
       call print_line('')
       call print_line(repeat(' ', 43)// &
-         'ns per  ---------- error over the peak, root mean square '// &
-         '---------   energy             ')
+         'ns per  ---- error over the peak of the motion, root mean square -----   energy')
       call print_line('scheme  dt-scale     Kn    cycles   wall s   cycle  displac. '// &
-         'rotation velocity '// &
-         'ang.vel.   force   moment     error     gap  order')
+         'rotation velocity ang.vel.   force   moment     error     gap  order')
       do i = 1, size(study%trial)
          if (i > 1) then
             if (trial_family(study%trial(i)) /= trial_family(study%trial(i - &
                1))) call print_line('')
          end if
-         call print_line(table_row(study%trial(i)))
+         if (i == best_trial(study, wanted)) then
+            call print_line(table_row(study%trial(i))//'  <--')
+         else
+            call print_line(table_row(study%trial(i)))
+         end if
       end do
       call print_line('')
       orders = ''
@@ -53,11 +56,27 @@ contains
       call print_line('reference: '//trial_name(study%reference)//', '// &
          str(study%reference%cycles)// &
          ' cycles of '//trim(buffer)//' on average')
-      call print_line('ns per cycle: of a joint (of a body where there is no joint); order: '// &
-         'against the row above')
+      call print_line('ns per cycle: of a joint (of a body where there is no joint); gap: '// &
+         'largest violation of a joint, length')
+      call print_line('order: against the row above; energy error of legacy: as OpenRadioss '// &
+         'counts it')
       call print_line('')
       call print_line(advice(study, deck, wanted))
    end subroutine print_study
+
+   !> '1 joint', '2 joints'; '1 rigid body', '2 rigid bodies'
+   pure function amount(n, what, plural) result(text)
+      integer, intent(in) :: n
+      character(len=*), intent(in) :: what, plural
+      character(len=:), allocatable :: text
+
+      text = str(n)//' '//what
+      if (n /= 1) then
+         text = text//plural
+      else if (plural == 'ies') then
+         text = text//'y'
+      end if
+   end function amount
 
    !> The one recommendation
    function advice(study, deck, wanted) result(text)
@@ -197,7 +216,8 @@ contains
          json_text(study%title))// &
          ', '//json_member('joints', str(study%n_joint))//', '//json_member('bodies', &
             str(study%n_body))// &
-         ','//EOL//json_member('reference', trial_json(study%reference))//','//EOL//'"settings": ['
+         ', '//json_member('floor', json_real(study%floor))//','//EOL// &
+         json_member('reference', trial_json(study%reference))//','//EOL//'"settings": ['
       do i = 1, size(study%trial)
          if (i > 1) json = json//','
          json = json//EOL//trial_json(study%trial(i))

@@ -231,14 +231,16 @@ contains
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
 
+      real(wp) :: o
       integer :: j
 
       do j = 1, model%n_joint
-         associate (o => state%ortho(model%batch(model%joint(j)%batch)%first + model%joint(j)%place))
-            if (.not. o > state%ortho_worst) cycle
-            state%ortho_worst = o
-            state%ortho_joint = j
+         associate (ref => model%joint(j))
+            o = state%ortho(model%batch(ref%batch)%first + ref%place)
          end associate
+         if (.not. o > state%ortho_worst) cycle
+         state%ortho_worst = o
+         state%ortho_joint = j
       end do
    end subroutine note_loosest
 

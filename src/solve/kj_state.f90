@@ -29,7 +29,7 @@ module kj_state
       logical :: staggered = .true.                       !! v, w half a step before x (legacy)
       !> energy error of the consistent formulation
       real(wp) :: ledger_error = 0.0_wp
-      real(wp), allocatable :: ortho(:)                   !! (n_joint) loss of orthogonality, consistent
+      real(wp), allocatable :: ortho(:)                   !! (n_joint) loss of orthogonality [rad]
       real(wp) :: ortho_worst = 0.0_wp                    !! the largest of all samples [rad]
       integer :: ortho_joint = 0                          !! index of its joint
       logical :: ended = .false.                          !! /DT/NODA/STOP acted

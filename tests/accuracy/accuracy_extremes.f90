@@ -380,9 +380,9 @@ contains
          o = series(run, OF_JOINT, 'orthogonality', 1)
          call within(check, 'loose: orthogonality', o(1, size(o, 2)), merge(0.01_wp, 0.0_wp, owner == 3), 1.0e-9_wp)
          if (owner == 2) call holds(check, 'loose: no warning', run%status%warnings%n == 0)
-         if (owner == 3) call holds(check, 'loose: KJ-9207', run%status%warnings%n == 1)
+         if (owner == 3) call holds(check, 'loose: KJ-9216', run%status%warnings%n == 1)
          if (owner == 3 .and. run%status%warnings%n == 1) call holds(check, 'loose: names the joint', &
-            run%status%warnings%item(1)%id == 'KJ-9207' .and. &
+            run%status%warnings%item(1)%id == 'KJ-9216' .and. &
             index(run%status%warnings%item(1)%message, 'joint 901 ') > 0)
       end do
    end subroutine check_loose

@@ -23,7 +23,7 @@ def main(kjoint, decks, work):
     assert done.returncode == 0, done.stderr
     table = json.loads((work / "revolute_pendulum_study.json").read_text())
     rows = list(csv.DictReader((work / "revolute_pendulum_study.csv").read_text().splitlines()))
-    assert len(table["settings"]) == len(rows) == 4 * 4 + 1
+    assert len(table["settings"]) == len(rows) == 3 * 4 + 2 + 1
     for setting, row in zip(table["settings"], rows):
         assert setting["integrator"] == row["integrator"]
         assert setting["good"] and row["good"] == "1", setting
@@ -57,7 +57,7 @@ def main(kjoint, decks, work):
     done = study(kjoint, work, free, "--until", "4", "--scales", "1,0.5,0.25")
     assert done.returncode == 0, done.stderr
     table = json.loads((work / "DZHA01_study.json").read_text())
-    assert len(table["settings"]) == 4 * 3
+    assert len(table["settings"]) == 3 * 3 + 2
     assert abs(table["orders"]["split2"] - 2.0) < 0.15 and abs(table["orders"]["legacy"] - 1.0) < 0.15
     assert "/DTIX" in table["recommendation"]
 
