@@ -3,6 +3,7 @@
 module kj_study
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, ERR_RUN
+   use kj_system, only: thread_clock
    use kj_study_metric, only: study_sink_t, class_errors, N_CLASS
    use kjoint, only: run_options_t, run_status_t, simulation_t, monitor_t, load_simulation, &
       run_simulation, simulation_title, simulation_reach
@@ -27,7 +28,7 @@ module kj_study
       integer :: cycles = 0
       real(wp) :: step = 0.0_wp                  !! mean time step
       logical :: by_deck = .false.               !! /DTIX limits it, not the joints
-      real(wp) :: wall = 0.0_wp                  !! [s] the solver took, without sampling
+      real(wp) :: time = 0.0_wp                  !! [s] of a processor that the run took
       real(wp) :: per_cycle = 0.0_wp             !! [s] a joint (else a body) and cycle
       real(wp) :: error(N_CLASS) = 0.0_wp        !! by CLASSES of kj_study_metric
       real(wp) :: score = 0.0_wp                 !! largest error in displacement and rotation
@@ -80,7 +81,7 @@ module kj_study
    integer, parameter :: RK4_STEPS = 2           !! with shorter ones it is beyond the reference
    real(wp), parameter :: FINER = 0.25_wp        !! step of the reference over the shortest
    real(wp), parameter :: SURE = 4.0_wp          !! floor of orders, over the error of the reference
-   real(wp), parameter :: NOISE = 1.25_wp        !! of wall times
+   real(wp), parameter :: NOISE = 1.25_wp        !! of times
    integer, parameter :: FEWEST_ROWS = 20, ROWS = 200   !! where the deck samples too rarely
 
 contains
@@ -105,8 +106,13 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(study_sink_t) :: reference, sink
       type(run_options_t) :: run
+      type(study_options_t) :: given
       integer :: i, n_done
-      call set_reference(options, study%reference%options)
+
+      given = options
+      if (.not. allocated(given%dt_scale)) given%dt_scale = DT_SCALES
+      if (.not. allocated(given%kn_scale)) given%kn_scale = KN_SCALES
+      call set_reference(given, study%reference%options)
       run = study%reference%options
       call one_run(starter, engine, run, watcher, reference, study, findings, error)
       if (allocated(error)) return
@@ -115,7 +121,7 @@ contains
          call one_run(starter, engine, run, watcher, reference, study, findings, error)
          if (allocated(error)) return
       end if
-      call list_trials(options, study)
+      call list_trials(given, study)
       n_done = 1
       call watcher%run_done(n_done, size(study%trial) + 1, study%reference)
       !$omp parallel do schedule(dynamic) num_threads(options%threads) private(sink)
@@ -136,14 +142,6 @@ contains
       call find_orders(study)
    end subroutine run_study
 
-   !> Fractions of the limit that a study tries
-   pure function scales_of(options) result(dt)
-      type(study_options_t), intent(in) :: options
-      real(wp), allocatable :: dt(:)
-      dt = DT_SCALES
-      if (allocated(options%dt_scale)) dt = options%dt_scale
-   end function scales_of
-
    !> split2 with a step far shorter than all others
    pure subroutine set_reference(options, run)
       type(study_options_t), intent(in) :: options
@@ -151,8 +149,8 @@ contains
       run = options%run
       run%formulation = 'consistent'
       run%integrator = 'split2'
-      run%dt_scale = FINER*minval(scales_of(options))
-      run%dt_max_scale = run%dt_scale/maxval(scales_of(options))
+      run%dt_scale = FINER*minval(options%dt_scale)
+      run%dt_max_scale = run%dt_scale/maxval(options%dt_scale)
    end subroutine set_reference
 
    !> The settings of a study: families of falling steps, then softer blocking at the longest step
@@ -164,10 +162,9 @@ contains
       real(wp), allocatable :: dt(:), kn(:)
       integer :: i, k, n, most
 
-      dt = scales_of(options)
-      kn = KN_SCALES
-      if (allocated(options%kn_scale)) kn = options%kn_scale
-      if (study%n_joint == 0) kn = kn(:0)
+      dt = options%dt_scale
+      kn = options%kn_scale
+      if (.not. max(study%reference%gap, study%reference%gap_rot) > 0.0_wp) kn = kn(:0)
       allocate (study%trial(3*size(dt) + min(RK4_STEPS, size(dt)) + size(kn)))
       n = 0
       do k = 1, 4
@@ -210,6 +207,7 @@ contains
       type(run_status_t) :: status
       type(pass_on_t) :: monitor
       type(finding_list_t) :: fresh
+      real(wp) :: clock
 
       call load_simulation(sim, starter, engine, run, fresh, error)
       findings = fresh
@@ -219,6 +217,7 @@ contains
          return
       end if
       monitor%watcher => watcher
+      clock = thread_clock()
       call run_simulation(sim, sink, monitor, status, error)
       if (.not. allocated(error)) then
          if (watcher%wants_stop()) call fail(error, ERR_RUN, 'the study was stopped')
@@ -229,7 +228,7 @@ contains
       study%n_joint = status%n_joint
       study%n_body = status%n_body
       study%reference%good = .true.
-      call take_cost(status, sink, study%reference)
+      call take_cost(status, thread_clock() - clock, sink, study%reference)
    end subroutine one_run
 
    !> One setting against the reference
@@ -275,32 +274,36 @@ contains
       type(pass_on_t) :: monitor
       type(finding_list_t) :: findings
       type(error_t), allocatable :: error
+      real(wp) :: clock
 
       trial%good = .false.
       call load_simulation(sim, starter, engine, run, findings, error)
       if (.not. allocated(error) .and. findings%n_error == 0) then
          monitor%watcher => watcher
          sink%wanted = wanted
+         clock = thread_clock()
          call run_simulation(sim, sink, monitor, status, error)
          trial%good = .not. allocated(error)
-         if (trial%good .and. .not. present(keep_cost)) call take_cost(status, sink, trial)
+         if (trial%good .and. .not. present(keep_cost)) &
+            call take_cost(status, thread_clock() - clock, sink, trial)
          if (trial%good) call take_worst(sink, trial)
       end if
       if (allocated(error)) trial%message = error%message
       if (.not. allocated(error) .and. .not. trial%good) trial%message = 'the deck has errors'
    end subroutine timed_run
 
-   pure subroutine take_cost(status, sink, trial)
+   pure subroutine take_cost(status, time, sink, trial)
       type(run_status_t), intent(in) :: status
+      real(wp), intent(in) :: time
       type(study_sink_t), intent(in) :: sink
       type(trial_t), intent(inout) :: trial
 
       trial%done = .true.
       trial%cycles = status%cycle
       trial%by_deck = status%owner_kind == 'none'
-      trial%wall = status%wall_solve
+      trial%time = time
       trial%step = status%time/max(1, status%cycle)
-      trial%per_cycle = status%wall_solve/max(1, status%cycle)/max(1, max(status%n_joint, &
+      trial%per_cycle = time/max(1, status%cycle)/max(1, max(status%n_joint, &
          merge(0, status%n_body, status%n_joint > 0)))
       call take_worst(sink, trial)
    end subroutine take_cost
@@ -393,7 +396,7 @@ contains
       fit = study%trial%good .and. study%trial%score <= wanted .and. study%trial%energy <= wanted
       best = 0
       if (.not. any(fit)) return
-      fit = fit .and. study%trial%wall <= NOISE*minval(study%trial%wall, mask=fit)
+      fit = fit .and. study%trial%time <= NOISE*minval(study%trial%time, mask=fit)
       best = findloc(fit, .true., dim=1)
    end function best_trial
 

@@ -31,7 +31,7 @@ contains
       call print_line('')
       call print_line(repeat(' ', 43)// &
          'ns per  ---- error over the peak of the motion, root mean square -----   energy')
-      call print_line('scheme  dt-scale     Kn    cycles   wall s   cycle  displac. '// &
+      call print_line('scheme  dt-scale     Kn    cycles    cpu s   cycle  displac. '// &
          'rotation velocity ang.vel.   force   moment     error     gap  order')
       do i = 1, size(study%trial)
          if (i > 1) then
@@ -107,9 +107,9 @@ contains
       end if
       associate (t => study%trial(best))
          text = text//'kjoint run '//deck//run_options(t)
-         write (buffer, '(a,es8.1,a,f0.3,a)') '  (error', t%score, ', ', t%wall, ' s)'
-         if (t%wall < 1.0_wp) write (buffer, '(a,es8.1,a,f5.3,a)') '  (error', t%score, ', ', &
-            t%wall, ' s)'
+         write (buffer, '(a,es8.1,a,f0.3,a)') '  (error', t%score, ', ', t%time, ' s)'
+         if (t%time < 1.0_wp) write (buffer, '(a,es8.1,a,f5.3,a)') '  (error', t%score, ', ', &
+            t%time, ' s)'
          text = text//trim(buffer)
          if (t%by_deck) then
             write (buffer, '(es10.3)') t%step
@@ -169,7 +169,7 @@ contains
       end if
       order = ''
       if (abs(t%order) > 0.0_wp) write (order, '(f6.2)') t%order
-      write (buffer, '(i10,f9.3,i8,6es9.1,es10.1,es8.1,a7)') t%cycles, t%wall, &
+      write (buffer, '(i10,f9.3,i8,6es9.1,es10.1,es8.1,a7)') t%cycles, t%time, &
          nint(1.0e9_wp*t%per_cycle), t%error, t%energy, t%gap, order
       text = trim(text//buffer)
    end function table_row
@@ -249,7 +249,7 @@ contains
       if (t%good) then
          json = json//', '//json_member('cycles', str(t%cycles))//', '//json_member('step', &
             json_real(t%step))// &
-            ', '//json_member('wall_s', json_real(t%wall))//', '// &
+            ', '//json_member('cpu_s', json_real(t%time))//', '// &
             json_member('ns_per_joint_cycle', json_real(1.0e9_wp*t%per_cycle))//', '// &
             json_member('error', json_real(t%score))
          do i = 1, N_CLASS
@@ -272,7 +272,7 @@ contains
       character(len=400) :: buffer
       integer :: i, k
 
-      csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,wall_s,'// &
+      csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,cpu_s,'// &
          'ns_per_joint_cycle,error'
       do k = 1, N_CLASS
          csv = csv//',error_'//trim(CLASSES(k))
@@ -283,7 +283,7 @@ contains
             csv = csv//trim(t%options%formulation)//','//trim(t%options%integrator)//','// &
                short(t%options%dt_scale)//','//short(t%options%kn_scale)
             if (t%good) then
-               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%wall, &
+               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%time, &
                   ',', &
                   1.0e9_wp*t%per_cycle, ',', t%score, (',', t%error(k), k=1, N_CLASS), ',', &
                      t%energy, &
