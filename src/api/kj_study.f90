@@ -23,7 +23,7 @@ module kj_study
    !> One run and what came of it
    type :: trial_t
       type(run_options_t) :: options             !! formulation, integrator, dt_scale, kn_scale
-      logical :: done = .false., good = .false.
+      logical :: good = .false.
       character(len=:), allocatable :: message   !! why it is not good
       integer :: cycles = 0
       real(wp) :: step = 0.0_wp                  !! mean time step
@@ -228,7 +228,8 @@ contains
       study%n_joint = status%n_joint
       study%n_body = status%n_body
       study%reference%good = .true.
-      call take_cost(status, thread_clock() - clock, sink, study%reference)
+      call take_cost(status, thread_clock() - clock, study%reference)
+      call take_worst(sink, study%reference)
    end subroutine one_run
 
    !> One setting against the reference
@@ -253,7 +254,6 @@ contains
          call timed_run(starter, engine, run, watcher, sink, reference%rows(1, :reference%n_row), &
             trial, keep_cost=.true.)
       end if
-      trial%done = .true.
       if (.not. trial%good) return
       trial%error = class_errors(reference, sink, reach)
       trial%score = maxval(trial%error(1:2))
@@ -284,28 +284,24 @@ contains
          clock = thread_clock()
          call run_simulation(sim, sink, monitor, status, error)
          trial%good = .not. allocated(error)
-         if (trial%good .and. .not. present(keep_cost)) &
-            call take_cost(status, thread_clock() - clock, sink, trial)
-         if (trial%good) call take_worst(sink, trial)
+         if (.not. present(keep_cost)) call take_cost(status, thread_clock() - clock, trial)
+         call take_worst(sink, trial)
       end if
       if (allocated(error)) trial%message = error%message
       if (.not. allocated(error) .and. .not. trial%good) trial%message = 'the deck has errors'
    end subroutine timed_run
 
-   pure subroutine take_cost(status, time, sink, trial)
+   pure subroutine take_cost(status, time, trial)
       type(run_status_t), intent(in) :: status
       real(wp), intent(in) :: time
-      type(study_sink_t), intent(in) :: sink
       type(trial_t), intent(inout) :: trial
 
-      trial%done = .true.
       trial%cycles = status%cycle
       trial%by_deck = status%owner_kind == 'none'
       trial%time = time
       trial%step = status%time/max(1, status%cycle)
       trial%per_cycle = time/max(1, status%cycle)/max(1, max(status%n_joint, &
          merge(0, status%n_body, status%n_joint > 0)))
-      call take_worst(sink, trial)
    end subroutine take_cost
 
    pure subroutine take_worst(sink, trial)
