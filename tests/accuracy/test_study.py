@@ -52,6 +52,11 @@ def main(kjoint, decks, work):
     assert [s["error"] for s in two["settings"]] == [s["error"] for s in table["settings"]]
     assert (work / "two.json").exists() and (work / "two.csv").exists()
 
+    # four threads that read the same deck again and again
+    for _ in range(8):
+        short = study(kjoint, work, deck, "--until", "1e-3", "--sample", "1e-4", "--threads", "4", "--json", "-o", "four")
+        assert all(s["good"] for s in json.loads(short.stdout)["settings"]), short.stdout
+
     # a free body: /DTIX rules its step, and there is no stiffness to scale
     free = str(pathlib.Path(decks).parent / "tests" / "benchmarks" / "DZHA01" / "DZHA01_0000.rad")
     done = study(kjoint, work, free, "--until", "4", "--scales", "1,0.5,0.25")
