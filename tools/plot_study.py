@@ -35,7 +35,7 @@ def families(settings):
 def unbeaten(settings):
     """Settings that no other beats in cost and error, cheapest first."""
     best = []
-    for setting in sorted(settings, key=lambda s: s["wall_s"]):
+    for setting in sorted(settings, key=lambda s: s["cpu_s"]):
         if not best or setting["error"] < best[-1]["error"]:
             best.append(setting)
     return best
@@ -44,25 +44,25 @@ def unbeaten(settings):
 def draw_trade(axes, study, groups):
     every = [s for group in groups.values() for s in group]
     front = unbeaten(every)
-    axes.plot([s["wall_s"] for s in front], [s["error"] for s in front], color="0.75", lw=6, zorder=0,
+    axes.plot([s["cpu_s"] for s in front], [s["error"] for s in front], color="0.75", lw=6, zorder=0,
               solid_capstyle="round", label="nothing is cheaper and better")
     for name, group in groups.items():
         colour, mark = STYLES[name]
         hollow = {"mfc": "none"} if name == "softer" else {}
-        axes.plot([s["wall_s"] for s in group], [s["error"] for s in group], mark + "-", color=colour, lw=1,
+        axes.plot([s["cpu_s"] for s in group], [s["error"] for s in group], mark + "-", color=colour, lw=1,
                   label=MEANING[name], **hollow)
         for s in group:
             if name == "liemid" and s not in front:
                 continue                       # it lies beside split2, label on label
             text = f"Kn x {s['kn_scale']:g}" if name == "softer" else f"{s['dt_scale']:g}"
-            axes.annotate(text, (s["wall_s"], s["error"]), textcoords="offset points", xytext=(6, 3), fontsize=7,
+            axes.annotate(text, (s["cpu_s"], s["error"]), textcoords="offset points", xytext=(6, 3), fontsize=7,
                           color=colour)
     if study["recommended"]:
         chosen = study["settings"][study["recommended"] - 1]
-        axes.plot(chosen["wall_s"], chosen["error"], "o", ms=16, mfc="none", mec="k", mew=1.2,
+        axes.plot(chosen["cpu_s"], chosen["error"], "o", ms=16, mfc="none", mec="k", mew=1.2,
                   label=f"recommended for {study['wanted_error']:.0e}")
     axes.axhline(study["wanted_error"], color="k", lw=0.8, ls=":")
-    axes.set(xscale="log", yscale="log", xlabel="wall time of the solver [s]",
+    axes.set(xscale="log", yscale="log", xlabel="time of a processor [s]",
              ylabel="error of positions and rotations, over their peak")
     axes.legend(fontsize=8, loc="best")
     axes.set_title("what accuracy costs (labels: --dt-scale)", fontsize=10)

@@ -3,9 +3,10 @@
 module kj_study
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, ERR_RUN
+   use kj_system, only: thread_clock
    use kj_study_metric, only: study_sink_t, class_errors, N_CLASS
    use kjoint, only: run_options_t, run_status_t, simulation_t, monitor_t, load_simulation, &
-      run_simulation, simulation_title
+      run_simulation, simulation_title, simulation_reach
    implicit none
    private
 
@@ -22,14 +23,13 @@ module kj_study
    !> One run and what came of it
    type :: trial_t
       type(run_options_t) :: options             !! formulation, integrator, dt_scale, kn_scale
-      logical :: done = .false., good = .false.
+      logical :: good = .false.
       character(len=:), allocatable :: message   !! why it is not good
       integer :: cycles = 0
       real(wp) :: step = 0.0_wp                  !! mean time step
       logical :: by_deck = .false.               !! /DTIX limits it, not the joints
-      real(wp) :: wall = 0.0_wp                  !! [s] the solver took, without sampling
-      !> [s] a joint and cycle (a body where there is no joint)
-      real(wp) :: per_cycle = 0.0_wp
+      real(wp) :: time = 0.0_wp                  !! [s] of a processor that the run took
+      real(wp) :: per_cycle = 0.0_wp             !! [s] a joint (else a body) and cycle
       real(wp) :: error(N_CLASS) = 0.0_wp        !! by CLASSES of kj_study_metric
       real(wp) :: score = 0.0_wp                 !! largest error in displacement and rotation
       real(wp) :: energy = 0.0_wp                !! largest |energy error|, a fraction
@@ -43,6 +43,7 @@ module kj_study
       type(trial_t) :: reference
       type(trial_t), allocatable :: trial(:)     !! families together, long steps first
       integer :: n_joint = 0, n_body = 0
+      real(wp) :: reach = 0.0_wp                 !! of moving bodies, length
       real(wp) :: floor = 0.0_wp                 !! scores below it may be errors of the reference
    end type study_t
 
@@ -77,10 +78,10 @@ module kj_study
 
    real(wp), parameter :: DT_SCALES(4) = [0.9_wp, 0.45_wp, 0.225_wp, 0.1125_wp]
    real(wp), parameter :: KN_SCALES(2) = [0.1_wp, 0.01_wp]
-   !> step of the reference over the shortest of the study
-   real(wp), parameter :: FINER = 0.25_wp
+   integer, parameter :: RK4_STEPS = 2           !! with shorter ones it is beyond the reference
+   real(wp), parameter :: FINER = 0.25_wp        !! step of the reference over the shortest
    real(wp), parameter :: SURE = 4.0_wp          !! floor of orders, over the error of the reference
-   real(wp), parameter :: NOISE = 1.25_wp        !! of wall times
+   real(wp), parameter :: NOISE = 1.25_wp        !! of times
    integer, parameter :: FEWEST_ROWS = 20, ROWS = 200   !! where the deck samples too rarely
 
 contains
@@ -105,25 +106,29 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(study_sink_t) :: reference, sink
       type(run_options_t) :: run
+      type(study_options_t) :: given
       integer :: i, n_done
-      call set_reference(options, study%reference%options)
+
+      given = options
+      if (.not. allocated(given%dt_scale)) given%dt_scale = DT_SCALES
+      if (.not. allocated(given%kn_scale)) given%kn_scale = KN_SCALES
+      call set_reference(given, study%reference%options)
       run = study%reference%options
-      call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, &
-         error)
+      call one_run(starter, engine, run, watcher, reference, study, findings, error)
       if (allocated(error)) return
       if (reference%n_row < FEWEST_ROWS) then
          run%sample = reference%t_last/ROWS
-         call one_run(starter, engine, run, watcher, reference, study%reference, study, findings, &
-            error)
+         call one_run(starter, engine, run, watcher, reference, study, findings, error)
          if (allocated(error)) return
       end if
-      call list_trials(options, study)
+      call list_trials(given, study)
       n_done = 1
       call watcher%run_done(n_done, size(study%trial) + 1, study%reference)
       !$omp parallel do schedule(dynamic) num_threads(options%threads) private(sink)
       do i = 1, size(study%trial)
          if (watcher%wants_stop()) cycle
-         call one_trial(starter, engine, run%sample, watcher, reference, sink, study%trial(i))
+         call one_trial(starter, engine, run%sample, study%reach, watcher, reference, sink, &
+            study%trial(i))
          !$omp critical (kj_study_done)
          n_done = n_done + 1
          call watcher%run_done(n_done, size(study%trial) + 1, study%trial(i))
@@ -137,14 +142,6 @@ contains
       call find_orders(study)
    end subroutine run_study
 
-   !> Fractions of the limit that a study tries
-   pure function scales_of(options) result(dt)
-      type(study_options_t), intent(in) :: options
-      real(wp), allocatable :: dt(:)
-      dt = DT_SCALES
-      if (allocated(options%dt_scale)) dt = options%dt_scale
-   end function scales_of
-
    !> split2 with a step far shorter than all others
    pure subroutine set_reference(options, run)
       type(study_options_t), intent(in) :: options
@@ -152,8 +149,8 @@ contains
       run = options%run
       run%formulation = 'consistent'
       run%integrator = 'split2'
-      run%dt_scale = FINER*minval(scales_of(options))
-      run%dt_max_scale = run%dt_scale/maxval(scales_of(options))
+      run%dt_scale = FINER*minval(options%dt_scale)
+      run%dt_max_scale = run%dt_scale/maxval(options%dt_scale)
    end subroutine set_reference
 
    !> The settings of a study: families of falling steps, then softer blocking at the longest step
@@ -163,20 +160,23 @@ contains
 
       character(len=6), parameter :: INTEGRATORS(4) = ['split2', 'liemid', 'rkmk4 ', 'legacy']
       real(wp), allocatable :: dt(:), kn(:)
-      integer :: i, k
+      integer :: i, k, n, most
 
-      dt = scales_of(options)
-      kn = KN_SCALES
-      if (allocated(options%kn_scale)) kn = options%kn_scale
-      if (study%n_joint == 0) kn = kn(:0)
-      allocate (study%trial(4*size(dt) + size(kn)))
+      dt = options%dt_scale
+      kn = options%kn_scale
+      if (.not. max(study%reference%gap, study%reference%gap_rot) > 0.0_wp) kn = kn(:0)
+      allocate (study%trial(3*size(dt) + min(RK4_STEPS, size(dt)) + size(kn)))
+      n = 0
       do k = 1, 4
-         do i = 1, size(dt)
-            study%trial((k - 1)*size(dt) + i)%options = setting(INTEGRATORS(k), dt(i), 1.0_wp)
+         most = size(dt)
+         if (INTEGRATORS(k) == 'rkmk4') most = min(RK4_STEPS, most)
+         do i = 1, most
+            n = n + 1
+            study%trial(n)%options = setting(INTEGRATORS(k), dt(i), 1.0_wp)
          end do
       end do
       do i = 1, size(kn)
-         study%trial(4*size(dt) + i)%options = setting('split2', maxval(dt), kn(i))
+         study%trial(n + i)%options = setting('split2', maxval(dt), kn(i))
       end do
    contains
       pure function setting(integrator, dt_scale, kn_scale) result(run)
@@ -194,12 +194,11 @@ contains
    end subroutine list_trials
 
    !> The reference, and what the scene is
-   subroutine one_run(starter, engine, run, watcher, sink, trial, study, findings, error)
+   subroutine one_run(starter, engine, run, watcher, sink, study, findings, error)
       character(len=*), intent(in) :: starter, engine
       type(run_options_t), intent(in) :: run
       class(watcher_t), intent(inout), target :: watcher
       type(study_sink_t), intent(inout) :: sink
-      type(trial_t), intent(inout) :: trial
       type(study_t), intent(inout) :: study
       type(finding_list_t), intent(inout) :: findings
       type(error_t), allocatable, intent(out) :: error
@@ -208,6 +207,7 @@ contains
       type(run_status_t) :: status
       type(pass_on_t) :: monitor
       type(finding_list_t) :: fresh
+      real(wp) :: clock
 
       call load_simulation(sim, starter, engine, run, fresh, error)
       findings = fresh
@@ -217,22 +217,25 @@ contains
          return
       end if
       monitor%watcher => watcher
+      clock = thread_clock()
       call run_simulation(sim, sink, monitor, status, error)
       if (.not. allocated(error)) then
          if (watcher%wants_stop()) call fail(error, ERR_RUN, 'the study was stopped')
       end if
       if (allocated(error)) return
       study%title = simulation_title(sim)
+      study%reach = simulation_reach(sim)
       study%n_joint = status%n_joint
       study%n_body = status%n_body
-      trial%good = .true.
-      call take_cost(status, sink, trial)
+      study%reference%good = .true.
+      call take_cost(status, thread_clock() - clock, study%reference)
+      call take_worst(sink, study%reference)
    end subroutine one_run
 
    !> One setting against the reference
-   subroutine one_trial(starter, engine, sample, watcher, reference, sink, trial)
+   subroutine one_trial(starter, engine, sample, reach, watcher, reference, sink, trial)
       character(len=*), intent(in) :: starter, engine
-      real(wp), intent(in) :: sample
+      real(wp), intent(in) :: sample, reach
       class(watcher_t), intent(inout), target :: watcher
       type(study_sink_t), intent(in) :: reference
       type(study_sink_t), intent(inout) :: sink
@@ -251,9 +254,8 @@ contains
          call timed_run(starter, engine, run, watcher, sink, reference%rows(1, :reference%n_row), &
             trial, keep_cost=.true.)
       end if
-      trial%done = .true.
       if (.not. trial%good) return
-      trial%error = class_errors(reference, sink)
+      trial%error = class_errors(reference, sink, reach)
       trial%score = maxval(trial%error(1:2))
       trial%good = trial%score < huge(1.0_wp)
    end subroutine one_trial
@@ -272,34 +274,34 @@ contains
       type(pass_on_t) :: monitor
       type(finding_list_t) :: findings
       type(error_t), allocatable :: error
+      real(wp) :: clock
 
       trial%good = .false.
       call load_simulation(sim, starter, engine, run, findings, error)
       if (.not. allocated(error) .and. findings%n_error == 0) then
          monitor%watcher => watcher
          sink%wanted = wanted
+         clock = thread_clock()
          call run_simulation(sim, sink, monitor, status, error)
          trial%good = .not. allocated(error)
-         if (trial%good .and. .not. present(keep_cost)) call take_cost(status, sink, trial)
-         if (trial%good) call take_worst(sink, trial)
+         if (.not. present(keep_cost)) call take_cost(status, thread_clock() - clock, trial)
+         call take_worst(sink, trial)
       end if
       if (allocated(error)) trial%message = error%message
       if (.not. allocated(error) .and. .not. trial%good) trial%message = 'the deck has errors'
    end subroutine timed_run
 
-   pure subroutine take_cost(status, sink, trial)
+   pure subroutine take_cost(status, time, trial)
       type(run_status_t), intent(in) :: status
-      type(study_sink_t), intent(in) :: sink
+      real(wp), intent(in) :: time
       type(trial_t), intent(inout) :: trial
 
-      trial%done = .true.
       trial%cycles = status%cycle
       trial%by_deck = status%owner_kind == 'none'
-      trial%wall = status%wall_solve
+      trial%time = time
       trial%step = status%time/max(1, status%cycle)
-      trial%per_cycle = status%wall_solve/max(1, status%cycle)/max(1, max(status%n_joint, &
+      trial%per_cycle = time/max(1, status%cycle)/max(1, max(status%n_joint, &
          merge(0, status%n_body, status%n_joint > 0)))
-      call take_worst(sink, trial)
    end subroutine take_cost
 
    pure subroutine take_worst(sink, trial)
@@ -315,11 +317,9 @@ contains
    !> reference as that is to the truth.
    !>
    !> The reference has the scheme of the first family and a step FINER times as long as its
-   !> shortest.
-   !> With second order the last of the family is 1/FINER^2 - 1 errors of the reference away from
-   !> it;
-   !> and if the last two do not fit second order, the reference is to blame: it has its rounding,
-   !> too.
+   !> shortest. With second order the last of the family is 1/FINER^2 - 1 errors of the reference
+   !> away from it; and if the last two do not fit second order, the reference is to blame: it has
+   !> its rounding, too.
    pure subroutine find_orders(study)
       type(study_t), intent(inout) :: study
 
@@ -392,7 +392,7 @@ contains
       fit = study%trial%good .and. study%trial%score <= wanted .and. study%trial%energy <= wanted
       best = 0
       if (.not. any(fit)) return
-      fit = fit .and. study%trial%wall <= NOISE*minval(study%trial%wall, mask=fit)
+      fit = fit .and. study%trial%time <= NOISE*minval(study%trial%time, mask=fit)
       best = findloc(fit, .true., dim=1)
    end function best_trial
 

@@ -20,7 +20,8 @@ module kjoint
    public :: wp, error_t, finding_list_t, sink_t, history_t, KJOINT_VERSION
    public :: ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, SEV_ERROR
    public :: run_options_t, run_status_t, simulation_t, monitor_t
-   public :: load_simulation, run_simulation, simulation_title, default_output
+   public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
+      default_output
    public :: check_t, limit_row_t, check_simulation
 
    !> What a run may be told; '' and 0 stand for the defaults
@@ -125,6 +126,13 @@ module kjoint
          type(simulation_t), intent(in) :: sim
          character(len=:), allocatable :: title
       end function simulation_title
+
+      !> Largest distance of a node from the main node of its body, over bodies that are not held;
+      !> length, in the units of the deck
+      module pure function simulation_reach(sim) result(reach)
+         type(simulation_t), intent(in) :: sim
+         real(wp) :: reach
+      end function simulation_reach
 
       !> ROOT.h5 in the current folder
       module function default_output(sim) result(path)

@@ -107,6 +107,20 @@ contains
       title = sim%model%title
    end procedure simulation_title
 
+   module procedure simulation_reach
+      integer :: b, i
+
+      reach = 0.0_wp
+      associate (m => sim%model)
+         do b = 1, m%n_body
+            if (any([(all(m%bcs(i)%fixed) .and. m%bcs(i)%lead == b, i=1, size(m%bcs))])) cycle
+            do i = m%first(b), m%first(b + 1) - 1
+               reach = max(reach, norm2(m%x0(i, :) - m%x0(b, :)))
+            end do
+         end do
+      end associate
+   end procedure simulation_reach
+
    module procedure default_output
       path = sim%root(index(sim%root, '/', back=.true.) + 1:)//'.h5'
    end procedure default_output

@@ -1,7 +1,7 @@
 !> The run: march, samples, outcome.
 submodule (kjoint) kjoint_run
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use kj_error, only: fail, str
+   use kj_error, only: fail, str, add_finding
    use kj_system, only: wall_clock
    use kj_legacy_check, only: warn_large_turn
    use kj_state, only: new_state, OWNER_JOINT
@@ -13,6 +13,7 @@ submodule (kjoint) kjoint_run
    use kj_c_publish, only: publish
    implicit none
 
+   real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
    integer, parameter :: TICK_WORK = 20000      !! joint-cycles between two looks of the monitor
    character(len=8), parameter :: OWNER_NAME(0:3) = &
       ['none    ', 'node    ', 'body    ', 'joint   ']
@@ -36,6 +37,8 @@ contains
       call tell(sim, status)
       if (sim%state%turn_body > 0) call warn_large_turn(sim%model, sqrt(sim%state%turn2), &
          sim%state%turn_body, status%warnings)
+      if (sim%state%ortho_worst > LOOSE) &
+         call warn_loose_frame(sim%model, sim%state, status%warnings)
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
       call monitor%tick(status, ignored)
@@ -146,6 +149,7 @@ contains
       sim%march%nodal = sim%options%dt_rule == 'nodal'
       sim%march%factor = sim%model%control%dt_factor
       sim%march%most = sim%model%control%dt_max
+      if (sim%model%control%dt_ini > 0.0_wp) sim%march%first = sim%model%control%dt_ini
       call start_march(sim%model, sim%c_model, sim%c_state, sim%march)
       if (.not. allocated(sim%state%ortho)) allocate (sim%state%ortho(sim%model%n_joint), &
          source=0.0_wp)
@@ -193,6 +197,23 @@ contains
       end if
       if (.not. allocated(error) .and. allocated(sink_error)) call move_alloc(sink_error, error)
    end subroutine end_history
+
+   !> After a run: the axes of a joint have turned against each other or against their body
+   subroutine warn_loose_frame(model, state, findings)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+      type(finding_list_t), intent(inout) :: findings
+
+      type(error_t), allocatable :: finding
+      character(len=8) :: buffer
+
+      write (buffer, '(es8.1)') state%ortho_worst
+      call fail(finding, ERR_INPUT, 'the frame of joint '// &
+         str(model%joint(state%ortho_joint)%id)// &
+         ' lost its orthogonality by up to '//trim(adjustl(buffer))//' rad', 'KJ-9216')
+      finding%severity = SEV_WARNING
+      call add_finding(findings, finding)
+   end subroutine warn_loose_frame
 
    !> Sample the state into the sink; watches the energy limit
    subroutine add_row(sim, sink, final, clock, status, error)

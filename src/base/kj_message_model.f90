@@ -96,6 +96,10 @@ module kj_message_model
       'Leave the friction out where results are to agree.'), &
    message_t('KJ-9206', SEV_WARNING, 'legacy: a large turn in a step', &
       'The scheme is first order in the spin and lets the nodes of a body drift outward.', &
-      'Lower the time step, or run the consistent formulation.')]
+      'Lower the time step, or run the consistent formulation.'), &
+   message_t('KJ-9216', SEV_WARNING, 'a joint frame is not rigid', &
+      'The axes of a joint have turned against each other, or against the body that should '// &
+      'carry them, by more than 1e-3 rad. The channel joint/orthogonality has it over time.', &
+      'Put the nodes of the skew on the body of its joint node; or raise the stiffness.')]
 
 end module kj_message_model

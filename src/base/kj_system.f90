@@ -1,14 +1,26 @@
 !> The little the library asks of the operating system: files by name, the host, the clock.
 module kj_system
-   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_size_t, c_char, c_null_char
    use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    implicit none
    private
 
-   public :: rename_file, remove_file, host_name, date_time, wall_clock
+   public :: rename_file, remove_file, host_name, date_time, wall_clock, thread_clock
+
+   !> struct timespec
+   type, bind(c) :: c_time_t
+      integer(c_long) :: seconds = 0, nanoseconds = 0
+   end type c_time_t
+
+   integer(c_int), parameter :: THREAD_CPU = 3_c_int   !! CLOCK_THREAD_CPUTIME_ID of Linux
 
    interface
+      integer(c_int) function c_clock_gettime(clock, time) bind(c, name='clock_gettime')
+         import :: c_int, c_time_t
+         integer(c_int), value :: clock
+         type(c_time_t), intent(out) :: time
+      end function c_clock_gettime
       integer(c_int) function c_rename(from, to) bind(c, name='rename')
          import :: c_int, c_char
          character(kind=c_char), intent(in) :: from(*), to(*)
@@ -79,5 +91,19 @@ contains
       call system_clock(ticks, rate)
       seconds = real(ticks, wp)/real(max(rate, 1_int64), wp)
    end function wall_clock
+
+   !> Seconds that this thread has had the processor, whatever else the machine does; where the
+   !> system does not tell, the wall clock
+   function thread_clock() result(seconds)
+      real(wp) :: seconds
+
+      type(c_time_t) :: time
+
+      if (c_clock_gettime(THREAD_CPU, time) == 0) then
+         seconds = real(time%seconds, wp) + 1.0e-9_wp*real(time%nanoseconds, wp)
+      else
+         seconds = wall_clock()
+      end if
+   end function thread_clock
 
 end module kj_system

@@ -45,7 +45,7 @@ contains
 
       if (self%quiet) return
       buffer = '  failed'
-      if (trial%good) write (buffer, '(f10.2,a,i0,a)') trial%wall, ' s  ', trial%cycles, ' cycles'
+      if (trial%good) write (buffer, '(f10.2,a,i0,a)') trial%time, ' s  ', trial%cycles, ' cycles'
       call print_error('run '//str(n_done)//' of '//str(n_all)//': '//trial_name(trial)// &
          trim(buffer))
    end subroutine run_done

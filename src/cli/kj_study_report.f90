@@ -26,20 +26,23 @@ contains
       integer :: i
 
       call print_line(study%title)
-      call print_line('   '//str(study%n_joint)//' joints, '//str(study%n_body)//' rigid bodies')
+      call print_line('   '//amount(study%n_joint, 'joint', 's')//', '// &
+         amount(study%n_body, 'rigid bod', 'ies'))
       call print_line('')
       call print_line(repeat(' ', 43)// &
-         'ns per  ---------- error over the peak, root mean square '// &
-         '---------   energy             ')
-      call print_line('scheme  dt-scale     Kn    cycles   wall s   cycle  displac. '// &
-         'rotation velocity '// &
-         'ang.vel.   force   moment     error     gap  order')
+         'ns per  ---- error over the peak of the motion, root mean square -----   energy')
+      call print_line('scheme  dt-scale     Kn    cycles    cpu s   cycle  displac. '// &
+         'rotation velocity ang.vel.   force   moment     error     gap  order')
       do i = 1, size(study%trial)
          if (i > 1) then
             if (trial_family(study%trial(i)) /= trial_family(study%trial(i - &
                1))) call print_line('')
          end if
-         call print_line(table_row(study%trial(i)))
+         if (i == best_trial(study, wanted)) then
+            call print_line(table_row(study%trial(i))//'  <--')
+         else
+            call print_line(table_row(study%trial(i)))
+         end if
       end do
       call print_line('')
       orders = ''
@@ -53,11 +56,27 @@ contains
       call print_line('reference: '//trial_name(study%reference)//', '// &
          str(study%reference%cycles)// &
          ' cycles of '//trim(buffer)//' on average')
-      call print_line('ns per cycle: of a joint (of a body where there is no joint); order: '// &
-         'against the row above')
+      call print_line('ns per cycle: of a joint (of a body where there is no joint); gap: '// &
+         'largest violation of a joint, length')
+      call print_line('order: against the row above; energy error of legacy: as OpenRadioss '// &
+         'counts it')
       call print_line('')
       call print_line(advice(study, deck, wanted))
    end subroutine print_study
+
+   !> '1 joint', '2 joints'; '1 rigid body', '2 rigid bodies'
+   pure function amount(n, what, plural) result(text)
+      integer, intent(in) :: n
+      character(len=*), intent(in) :: what, plural
+      character(len=:), allocatable :: text
+
+      text = str(n)//' '//what
+      if (n /= 1) then
+         text = text//plural
+      else if (plural == 'ies') then
+         text = text//'y'
+      end if
+   end function amount
 
    !> The one recommendation
    function advice(study, deck, wanted) result(text)
@@ -88,9 +107,9 @@ contains
       end if
       associate (t => study%trial(best))
          text = text//'kjoint run '//deck//run_options(t)
-         write (buffer, '(a,es8.1,a,f0.3,a)') '  (error', t%score, ', ', t%wall, ' s)'
-         if (t%wall < 1.0_wp) write (buffer, '(a,es8.1,a,f5.3,a)') '  (error', t%score, ', ', &
-            t%wall, ' s)'
+         write (buffer, '(a,es8.1,a,f0.3,a)') '  (error', t%score, ', ', t%time, ' s)'
+         if (t%time < 1.0_wp) write (buffer, '(a,es8.1,a,f5.3,a)') '  (error', t%score, ', ', &
+            t%time, ' s)'
          text = text//trim(buffer)
          if (t%by_deck) then
             write (buffer, '(es10.3)') t%step
@@ -150,7 +169,7 @@ contains
       end if
       order = ''
       if (abs(t%order) > 0.0_wp) write (order, '(f6.2)') t%order
-      write (buffer, '(i10,f9.3,i8,6es9.1,es10.1,es8.1,a7)') t%cycles, t%wall, &
+      write (buffer, '(i10,f9.3,i8,6es9.1,es10.1,es8.1,a7)') t%cycles, t%time, &
          nint(1.0e9_wp*t%per_cycle), t%error, t%energy, t%gap, order
       text = trim(text//buffer)
    end function table_row
@@ -197,7 +216,8 @@ contains
          json_text(study%title))// &
          ', '//json_member('joints', str(study%n_joint))//', '//json_member('bodies', &
             str(study%n_body))// &
-         ','//EOL//json_member('reference', trial_json(study%reference))//','//EOL//'"settings": ['
+         ', '//json_member('floor', json_real(study%floor))//','//EOL// &
+         json_member('reference', trial_json(study%reference))//','//EOL//'"settings": ['
       do i = 1, size(study%trial)
          if (i > 1) json = json//','
          json = json//EOL//trial_json(study%trial(i))
@@ -229,7 +249,7 @@ contains
       if (t%good) then
          json = json//', '//json_member('cycles', str(t%cycles))//', '//json_member('step', &
             json_real(t%step))// &
-            ', '//json_member('wall_s', json_real(t%wall))//', '// &
+            ', '//json_member('cpu_s', json_real(t%time))//', '// &
             json_member('ns_per_joint_cycle', json_real(1.0e9_wp*t%per_cycle))//', '// &
             json_member('error', json_real(t%score))
          do i = 1, N_CLASS
@@ -252,7 +272,7 @@ contains
       character(len=400) :: buffer
       integer :: i, k
 
-      csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,wall_s,'// &
+      csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,cpu_s,'// &
          'ns_per_joint_cycle,error'
       do k = 1, N_CLASS
          csv = csv//',error_'//trim(CLASSES(k))
@@ -263,7 +283,7 @@ contains
             csv = csv//trim(t%options%formulation)//','//trim(t%options%integrator)//','// &
                short(t%options%dt_scale)//','//short(t%options%kn_scale)
             if (t%good) then
-               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%wall, &
+               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%time, &
                   ',', &
                   1.0e9_wp*t%per_cycle, ',', t%score, (',', t%error(k), k=1, N_CLASS), ',', &
                      t%energy, &

@@ -9,20 +9,31 @@ module kj_source
 
 contains
 
-   !> Read a whole file; `problem` is '' when that went well
+   !> Read a whole file; `problem` is '' when that went well.
+   !>
+   !> One thread at a time: a Fortran program cannot have a file open twice.
    subroutine load_source(path, role, source, problem)
       character(len=*), intent(in) :: path, role
       type(source_t), intent(out) :: source
       character(len=:), allocatable, intent(out) :: problem
+
+      source%path = path
+      source%role = role
+      !$omp critical (kj_source_file)
+      call read_file(path, source%text, problem)
+      !$omp end critical (kj_source_file)
+   end subroutine load_source
+
+   subroutine read_file(path, text, problem)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable, intent(out) :: text, problem
 
       integer, parameter :: long = selected_int_kind(18)
       character(len=200) :: message
       integer(long) :: n
       integer :: unit, stat
 
-      source%path = path
-      source%role = role
-      source%text = ''
+      text = ''
       problem = ''
       message = ''
       open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
@@ -36,14 +47,14 @@ contains
       if (n < 0 .or. n >= int(huge(stat), long)) then
          problem = 'has no size, or is of 2 GiB and more'
       else if (n > 0) then
-         deallocate (source%text)
-         allocate (character(len=n) :: source%text, stat=stat)
-         if (stat == 0) read (unit, iostat=stat, iomsg=message) source%text
+         deallocate (text)
+         allocate (character(len=n) :: text, stat=stat)
+         if (stat == 0) read (unit, iostat=stat, iomsg=message) text
          if (stat /= 0) problem = 'cannot be read: '//trim(message)
-         if (stat /= 0) source%text = ''
+         if (stat /= 0) text = ''
       end if
       close (unit, iostat=stat)
-   end subroutine load_source
+   end subroutine read_file
 
    !> Find the end of the line that begins at byte `first`
    pure subroutine next_line(text, first, last, next)

@@ -32,6 +32,7 @@ module kj_c_advance
       logical :: nodal = .false.                 !! nodal rule instead of the safe bound
       real(wp) :: factor = 0.9_wp                !! of the limit
       real(wp) :: most = huge(1.0_wp)            !! largest step allowed by the deck
+      real(wp) :: first = huge(1.0_wp)           !! largest first step allowed by the deck
       real(wp) :: limit = huge(1.0_wp)           !! longest step now
       real(wp) :: start_end = 0.0_wp             !! time until which steps are shorter
       logical :: starting = .false.              !! limit is still the shorter one
@@ -94,16 +95,16 @@ contains
       arrived = .true.
       if (.not. t_end > state%time) return
       arrived = .false.
+      if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
+         call change_step(model, c, self%first, state)
+         call take_step(model, c, self%integrator, self%first, state)
+      end if
       call watch_stops(c, state, self%limit, LOOK, self%contact)
       left = needed_steps(t_end - state%time, min(self%limit, self%contact%h))
       h = (t_end - state%time)/left
       call change_step(model, c, h, state)
       do i = 1, steps
-         if (self%integrator == RKMK4) then
-            call rkmk_step(model, c, h, state)
-         else
-            call c_step(model, c, self%integrator == LIEMID, h, state)
-         end if
+         call take_step(model, c, self%integrator, h, state)
          left = left - 1
          if (left == 0) then
             state%time = t_end
@@ -126,6 +127,20 @@ contains
       call renew_bound(c, state, self%bound)
       call take_limit(model, c, state, self)
    end subroutine march
+
+   subroutine take_step(model, c, integrator, h, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      integer, intent(in) :: integrator
+      real(wp), intent(in) :: h
+      type(c_state_t), intent(inout) :: state
+
+      if (integrator == RKMK4) then
+         call rkmk_step(model, c, h, state)
+      else
+         call c_step(model, c, integrator == LIEMID, h, state)
+      end if
+   end subroutine take_step
 
    !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
    !> ends, and that has something that hangs on them; 0 when there is none

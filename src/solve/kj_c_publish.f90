@@ -32,7 +32,7 @@ contains
       state%cycle = cs%cycle
       state%time = cs%time
       state%h2 = cs%h
-      if (cs%cycle == 0) state%h2 = march%limit
+      if (cs%cycle == 0) state%h2 = min(march%limit, march%first)
       state%work = cs%work
       state%ledger_error = cs%error
       call spin_velocity(c, cs%poses%quat, cs%l, 1, model%n_lead, cs%poses%w)
@@ -40,6 +40,7 @@ contains
       call publish_leads(model, c, cs, state)
       call publish_nodes(model, c, cs, state)
       call publish_joints(model, c, cs, state)
+      call note_loosest(model, state)
       call publish_owner(model, march, state)
    end subroutine publish
 
@@ -225,6 +226,24 @@ contains
       f = matmul(f, half)
       rate = matmul(rate, half)
    end subroutine show_in_mean_frame
+
+   !> The largest loss of orthogonality of all samples, and whose it is
+   subroutine note_loosest(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      real(wp) :: o
+      integer :: j
+
+      do j = 1, model%n_joint
+         associate (ref => model%joint(j))
+            o = state%ortho(model%batch(ref%batch)%first + ref%place)
+         end associate
+         if (.not. o > state%ortho_worst) cycle
+         state%ortho_worst = o
+         state%ortho_joint = j
+      end do
+   end subroutine note_loosest
 
    !> Turn of a loose skew away from the triad that its joint end carries
    subroutine add_looseness(model, c, cs, state)

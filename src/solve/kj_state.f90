@@ -29,8 +29,9 @@ module kj_state
       logical :: staggered = .true.                       !! v, w half a step before x (legacy)
       !> energy error of the consistent formulation
       real(wp) :: ledger_error = 0.0_wp
-      !> (n_joint) loss of orthogonality, consistent
-      real(wp), allocatable :: ortho(:)
+      real(wp), allocatable :: ortho(:)                   !! (n_joint) loss of orthogonality [rad]
+      real(wp) :: ortho_worst = 0.0_wp                    !! the largest of all samples [rad]
+      integer :: ortho_joint = 0                          !! index of its joint
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
       !> largest square of a turn in a step so far
       real(wp) :: turn2 = 0.0_wp

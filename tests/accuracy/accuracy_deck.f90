@@ -29,6 +29,7 @@ module accuracy_deck
       integer :: n_body = 0, n_joint = 0, n_skew = 0, n_curve = 0, n_other = 0
       real(wp) :: t_stop = 1.0_wp, sample = 0.01_wp
       real(wp) :: dt_max = 0.0_wp                !! /DTIX, 0 = none
+      real(wp) :: dt_ini = 0.0_wp                !! /DTIX, 0 = dt_max
    end type deck_t
 
 contains
@@ -79,7 +80,7 @@ contains
    end subroutine add_motion
 
    !> A joint from x1 on body 1 to x2 on body 2
-   subroutine add_joint(deck, type, skew_flag, body, x1, x2, e1, e2, kn, cr, k, c, curve)
+   subroutine add_joint(deck, type, skew_flag, body, x1, x2, e1, e2, kn, cr, k, c, curve, loose)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: type, skew_flag
       integer, intent(in) :: body(2)
@@ -88,6 +89,7 @@ contains
       real(wp), intent(in) :: kn, cr
       real(wp), intent(in) :: k(6), c(6)         !! of the free directions
       integer, intent(in), optional :: curve     !! function of the stiffness of a type with one free direction
+      integer, intent(in), optional :: loose     !! body that has the third node of the second skew
 
       character(len=:), allocatable :: id
       integer :: node(2), law
@@ -95,7 +97,7 @@ contains
       law = 0
       if (present(curve)) law = curve
       call add_end(deck, body(1), x1, e1, node(1))
-      call add_end(deck, body(2), x2, e2, node(2))
+      call add_end(deck, body(2), x2, e2, node(2), loose)
       deck%n_joint = deck%n_joint + 1
       id = int_text(deck%n_joint)
       deck%blocks = deck%blocks//'/PROP/KJOINT/'//id//EOL//'joint'//EOL//ints([type, skew_flag])//EOL// &
@@ -105,19 +107,26 @@ contains
    end subroutine add_joint
 
    !> Joint node with its moving skew on a body
-   subroutine add_end(deck, body, x, e, node)
+   subroutine add_end(deck, body, x, e, node, loose)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: body
       real(wp), intent(in) :: x(3), e(3, 3)
       integer, intent(out) :: node
+      integer, intent(in), optional :: loose     !! another body that has the third node
 
+      integer :: owner, third
+
+      owner = body
+      if (present(loose)) owner = loose
       node = 1000*body + deck%body(body)%n_node + 1
-      deck%body(body)%n_node = deck%body(body)%n_node + 3
+      deck%body(body)%n_node = deck%body(body)%n_node + 2
+      deck%body(owner)%n_node = deck%body(owner)%n_node + 1
+      third = 1000*owner + deck%body(owner)%n_node
       deck%nodes = deck%nodes//node_card(node, x)//node_card(node + 1, x + e(:, 1))// &
-         node_card(node + 2, x + e(:, 2))
+         node_card(third, x + e(:, 2))
       deck%n_skew = deck%n_skew + 1
       deck%blocks = deck%blocks//'/SKEW/MOV/'//int_text(deck%n_skew)//EOL//'skew'//EOL// &
-         ints([node, node + 1, node + 2])//EOL
+         ints([node, node + 1, third])//EOL
    end subroutine add_end
 
    !> Cards of /PROP/KJOINT from the fourth on
@@ -238,7 +247,8 @@ contains
       close (unit)
       open (newunit=unit, file=root//'_0001.rad', action='write', status='replace')
       write (unit, '(a)') '/RUN/TEST/1', reals([deck%t_stop]), '/VERS/2022', '/TFILE/1', reals([deck%sample])
-      if (deck%dt_max > 0.0_wp) write (unit, '(a)') '/DTIX', reals([deck%dt_max, deck%dt_max])
+      if (deck%dt_max > 0.0_wp) write (unit, '(a)') '/DTIX', &
+         reals([merge(deck%dt_ini, deck%dt_max, deck%dt_ini > 0.0_wp), deck%dt_max])
       close (unit)
    end subroutine write_deck
 

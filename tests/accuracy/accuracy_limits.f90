@@ -153,6 +153,9 @@ contains
       options%sample = 1.0e-3_wp
       call run_deck(ROOT, options, run)
       call holds(check, 'four-bar: blows up under legacy, nodal', .not. run%good)
+      options%dt_scale = 0.45_wp
+      call run_deck(ROOT, options, run)
+      call holds(check, 'four-bar: not at half that step', run%good)
    end subroutine check_four_bar
 
    subroutine four_bar(deck, t_stop)
