@@ -8,8 +8,10 @@ module kj_c_force
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
    use kj_joint_frame, only: BLOCK
-   use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR
+   use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, &
+      CHART_UNIVERSAL
    use kj_c_limit, only: add_limits
+   use kj_spring, only: spring_axes
    use kj_c_chart, only: relative_pose, twist_chart, vector_chart, universal_chart, first_skew
    implicit none
    private
@@ -152,7 +154,12 @@ contains
       end do
       call relative_pose(n, q1, q2, c1, c2, t1, t2, p)
       ortho = 0.0_wp
-      if (.not. batch%mean) call first_skew(n, t1, r, e, m1, m2)
+      if (batch%spring) then
+         dir(:n, :) = batch%axes(from:to, :)
+         call spring_axes(n, batch%frame, dir, t1, t2, r, e, m1, m2)
+      else if (.not. batch%mean) then
+         call first_skew(n, t1, r, e, m1, m2)
+      end if
       select case (batch%chart)
       case (CHART_TWIST)
          call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), e, m1, m2, rot)
@@ -160,14 +167,18 @@ contains
       case (CHART_VECTOR)
          plain(:n) = batch%plain(from:to)
          call vector_chart(n, batch%mean, plain, t1, p, r, q(:, 4:6), e, m1, m2, rot, rot_d)
-      case default
+      case (CHART_UNIVERSAL)
          ortho(:n) = batch%angle0(from:to)
          a(:n, 1) = ortho(:n)
          call universal_chart(n, t1, t2, r, a(:, 1), q(:, 4:6), xl, e, rot, m1, m2, ortho)
          rot_d(:n, :) = rot(:n, :)
+      case default   ! CHART_LINE
+         q(:n, 4:6) = 0.0_wp
+         rot(:n, :) = 0.0_wp
+         rot_d(:n, :) = 0.0_wp
       end select
       dir(:n, :) = e(:n, :)
-      if (batch%chart > CHART_VECTOR) dir(:n, :) = rot(:n, :)
+      if (batch%chart == CHART_UNIVERSAL) dir(:n, :) = rot(:n, :)
       do k = 0, 2
          do i = 1, n
             q(i, k + 1) = dir(i, 3*k + 1)*r(i, 1) + dir(i, 3*k + 2)*r(i, 2) + &
