@@ -20,17 +20,18 @@ module kj_check
 
    !> Joints, bodies and time-step limits; all in work units, ids are those of the deck
    type :: check_t
+      integer :: n_spring = 0                     !! the last ones of the joints
       integer :: n_node = 0, n_free = 0, n_curve = 0, n_load = 0
       ! limits of the time step, before any factor
       real(wp) :: nodal_step = 0.0_wp             !! the rule of Radioss; huge: nothing limits it
       real(wp) :: safe_step = 0.0_wp              !! stable for certain
       real(wp) :: exact_step = 0.0_wp             !! of the assembled scene; 0: too large to tell
       real(wp) :: factor = 0.0_wp                 !! on the critical step, of deck or options
-      integer :: safe_joint = 0                   !! joint that holds the safe step, 0 = none
-      ! joints in deck order
+      integer :: safe_joint = 0                   !! joint or spring that holds it, 0 = none
+      ! joints in deck order, then springs in deck order
       integer, allocatable :: joint(:), property(:)   !! (n_joint)
       integer, allocatable :: row(:)              !! (n_joint) of kj_joint_types
-      integer, allocatable :: kind(:)             !! (n_joint) KJOINT or KJOINT2
+      integer, allocatable :: kind(:)             !! (n_joint) KJOINT, KJOINT2, SPRING4 or SPRING8
       integer, allocatable :: frame(:)            !! (n_joint) FRAME_ constant
       integer, allocatable :: node(:, :), body(:, :)  !! (2, n_joint); body 0 = a free node
       real(wp), allocatable :: length(:)          !! (n_joint) from node 1 to node 2

@@ -49,7 +49,7 @@ module kjoint
       real(wp) :: energy_error = 0.0_wp         !! fraction, of the last sample
       !> energies of the last sample
       real(wp) :: kinetic = 0.0_wp, internal = 0.0_wp, work = 0.0_wp
-      integer :: n_joint = 0, n_body = 0, n_node = 0
+      integer :: n_joint = 0, n_body = 0, n_node = 0, n_spring = 0
       integer :: n_sample = 0                   !! rows given to the sink
       integer :: print_every = 100              !! /PRINT: cycles between listing lines
       real(wp) :: wall_solve = 0.0_wp, wall_output = 0.0_wp            !! [s] of wall clock

@@ -5,7 +5,8 @@ submodule (kjoint) kjoint_check
    use kj_joint_stop, only: has_friction
    use kj_curve, only: curve_set_t, law_value
    use kj_c_blocking, only: start_scene
-   use kj_c_bound, only: bound_t, new_bound, nodal_bound, exact_bound
+   use kj_c_bound, only: bound_t, new_bound
+   use kj_c_limits, only: nodal_bound, exact_bound
    implicit none
 
    integer, parameter :: MOST_DOFS = 600         !! of the eigenvalue problem of the whole scene
@@ -30,7 +31,8 @@ contains
 
       integer :: j, n, p, e
 
-      n = model%n_joint
+      n = model%n_element
+      report%n_spring = model%n_spring
       report%joint = model%joint%id
       report%property = model%joint%property
       report%row = model%joint%row
@@ -184,8 +186,8 @@ contains
       subroutine sort_limits()
          integer :: j, at
 
-         allocate (report%step(model%n_joint))
-         do j = 1, model%n_joint
+         allocate (report%step(model%n_element))
+         do j = 1, model%n_element
             at = model%batch(model%joint(j)%batch)%first + model%joint(j)%place
             report%step(j) = bound%limit(at)
             if (bound%joint == at) report%safe_joint = model%joint(j)%id

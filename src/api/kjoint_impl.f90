@@ -162,9 +162,32 @@ contains
             h%node_label(i)%s = m%th_node_name(i)%s
          end do
       end associate
+      call describe_springs(sim%model, sim%history)
       call keep_inputs(sim)
       call new_sampler(sim%model, sim%history, sim%sampler)
    end subroutine describe
+
+   !> What the history says of its springs
+   subroutine describe_springs(model, history)
+      type(model_t), intent(in) :: model
+      type(history_t), intent(inout) :: history
+
+      integer :: i, n
+
+      n = size(model%th_spring)
+      if (n == 0) return
+      associate (ref => model%joint(model%th_spring))
+         history%spring_id = ref%id
+         history%spring_type = model%batch(ref%batch)%kind
+         history%spring_property = ref%property
+         allocate (history%spring_node(2, n), history%spring_body(2, n), history%spring_label(n))
+         do i = 1, n
+            history%spring_node(:, i) = model%node_id(ref(i)%node)
+            history%spring_body(:, i) = body_ids(model, ref(i)%node)
+            history%spring_label(i)%s = model%joint_name(model%th_spring(i))%s
+         end do
+      end associate
+   end subroutine describe_springs
 
    !> User ids of the bodies that carry two nodes, 0 for a free node
    pure function body_ids(model, node) result(ids)

@@ -151,7 +151,7 @@ contains
       sim%march%most = sim%model%control%dt_max
       if (sim%model%control%dt_ini > 0.0_wp) sim%march%first = sim%model%control%dt_ini
       call start_march(sim%model, sim%c_model, sim%c_state, sim%march)
-      if (.not. allocated(sim%state%ortho)) allocate (sim%state%ortho(sim%model%n_joint), &
+      if (.not. allocated(sim%state%ortho)) allocate (sim%state%ortho(sim%model%n_element), &
          source=0.0_wp)
    end subroutine start_consistent
 
@@ -170,7 +170,7 @@ contains
          end if
          at = full_turn(sim%c_model, state)
          if (at == 0) return
-         do j = 1, model%n_joint
+         do j = 1, model%n_element
             if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
             call fail(error, ERR_RUN, 'joint '//str(model%joint(j)%id)// &
                ' has come to a whole turn: '// &
@@ -281,6 +281,7 @@ contains
       status%energy_error = sim%sampler%energy_error
       status%work = sim%state%work
       status%n_joint = sim%model%n_joint
+      status%n_spring = sim%model%n_spring
       status%n_body = sim%model%n_body
       status%n_node = sim%model%n_node
       status%print_every = sim%model%control%print_every

@@ -9,6 +9,7 @@ module kj_message
    use kj_message_own, only: own_messages
    use kj_message_model, only: model_messages
    use kj_message_scene, only: scene_messages
+   use kj_message_spring, only: spring_messages
    implicit none
    private
 
@@ -16,7 +17,8 @@ module kj_message
 
    !> All messages, ascending within each origin
    type(message_t), parameter, public :: messages(*) = [starter1_messages, starter2_messages, &
-      starter3_messages, engine_messages, own_messages, model_messages, scene_messages]
+      starter3_messages, engine_messages, own_messages, model_messages, scene_messages, &
+      spring_messages]
 
 contains
 

@@ -2,8 +2,9 @@
 module kj_check_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, str
-   use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST
-   use kj_joint_batch, only: KJOINT2
+   use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST, FRAME_SECOND, FRAME_FIXED, &
+      FRAME_APART, FRAME_LINE
+   use kj_joint_batch, only: KJOINT2, SPRING4, SPRING8
    use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_terminal, only: print_line, may_colour, STDERR
    use kj_render, only: print_findings, print_failure
@@ -62,7 +63,8 @@ contains
       type(finding_list_t), intent(in) :: findings
 
       call print_line(simulation_title(sim))
-      call print_line('   '//amount(size(report%joint), 'joint')//', '// &
+      call print_line('   '//amount(size(report%joint) - report%n_spring, 'joint')//', '// &
+         springs_text(report%n_spring)// &
          amount(size(report%body_id), 'rigid bod')//', '//amount(report%n_node, 'node')//' ('// &
          str(report%n_free)//' free), '//amount(report%n_curve, 'function')//', '// &
          amount(report%n_load, 'load'))
@@ -86,6 +88,15 @@ contains
       call print_line('findings: '//amount(findings%n_error, 'error')//', '// &
          amount(findings%n_warning, 'warning'))
    end subroutine print_report
+
+   !> "3 springs, ", nothing where there is none
+   pure function springs_text(n) result(text)
+      integer, intent(in) :: n
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (n > 0) text = amount(n, 'spring')//', '
+   end function springs_text
 
    subroutine print_joints(report)
       type(check_t), intent(in) :: report
@@ -125,7 +136,7 @@ contains
       end do
    end subroutine print_bodies
 
-   !> 'revolute', with a 2 behind that of a KJOINT2
+   !> 'revolute', with a 2 behind that of a KJOINT2; springs by their property
    pure function type_text(report, j) result(text)
       type(check_t), intent(in) :: report
       integer, intent(in) :: j
@@ -133,6 +144,8 @@ contains
 
       text = joint_types(report%row(j))%name
       if (report%kind(j) == KJOINT2) text = trim(text)//'2'
+      if (report%kind(j) == SPRING4) text = 'spring, type 4'
+      if (report%kind(j) == SPRING8) text = 'spring, type 8'
    end function type_text
 
    pure function body_text(body) result(text)
@@ -156,6 +169,10 @@ contains
       text = 'cross'
       if (frame == FRAME_MEAN) text = 'mean'
       if (frame == FRAME_FIRST) text = 'first skew'
+      if (frame == FRAME_SECOND) text = 'skew end 2'
+      if (frame == FRAME_FIXED) text = 'fixed'
+      if (frame == FRAME_APART) text = 'skew apart'
+      if (frame == FRAME_LINE) text = 'line'
    end function frame_text
 
    !> Stiffness of the blocked translations (1) or rotations (2)

@@ -185,6 +185,7 @@ contains
          call print_line(outcome%verdict//'  '//outcome%title)
          write (buffer, '(3(i0,a))') s%n_joint, ' joints, ', s%n_body, ' rigid bodies, ', &
             s%n_node, ' nodes'
+         if (s%n_spring > 0) buffer = trim(buffer)//', '//str(s%n_spring)//' springs'
          call print_line('   model         '//trim(buffer))
          call print_line('   cycles        '//str(s%cycle))
          write (buffer, '(es12.6,a,es12.6)') s%time, ' of ', s%t_stop

@@ -1,7 +1,7 @@
 !> Arrays of all joints of one batch under the consistent formulation: constants and state.
 module kj_c_batch
    use kj_kinds, only: wp
-   use kj_joint_types, only: joint_types, NDOF, FRAME_FIRST, FRAME_CROSS
+   use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS, FRAME_LINE
    use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE
    use kj_joint_frame, only: BLOCK
    implicit none
@@ -15,6 +15,7 @@ module kj_c_batch
    integer, parameter, public :: CHART_TWIST = 1      !! at most one free rotation
    integer, parameter, public :: CHART_VECTOR = 2     !! three free rotations
    integer, parameter, public :: CHART_UNIVERSAL = 3
+   integer, parameter, public :: CHART_LINE = 4       !! none: a spring along its line
 
    !> Constants, work units
    type :: c_batch_t
@@ -23,6 +24,9 @@ module kj_c_batch
       integer :: row = 0                         !! row of kj_joint_types
       integer :: chart = 0                       !! CHART_ constant
       logical :: mean = .true.                   !! translations in the mean frame, else of body 1
+      logical :: spring = .false.                !! of /PROP/TYPE4 or TYPE8: has frame and axes
+      integer :: frame = 0                       !! FRAME_ constant
+      real(wp), allocatable :: axes(:, :)        !! (n, 9) axes at the start, W; of springs only
       integer :: law(NDOF) = 0                   !! LAW_ bits of kj_joint_batch
       !> (n) equal springs without a length: no frame needed
       logical, allocatable :: plain(:)
@@ -80,6 +84,7 @@ contains
       chart = CHART_TWIST
       if (all(joint_types(batch%row)%free(4:6) == 1)) chart = CHART_VECTOR
       if (batch%frame == FRAME_CROSS) chart = CHART_UNIVERSAL
+      if (batch%frame == FRAME_LINE) chart = CHART_LINE
    end function chart_of
 
    !> State of n joints, all zero

@@ -7,9 +7,11 @@ module kj_c_force
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
    use kj_joint_frame, only: BLOCK
-   use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, N_B
+   use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, &
+      CHART_UNIVERSAL, N_B
    use kj_c_limit, only: add_limits
    use kj_c_friction, only: turn_in_frame
+   use kj_spring, only: spring_axes
    use kj_c_chart, only: relative_pose, twist_chart, vector_chart, first_skew
    use kj_c_universal, only: universal_chart
    implicit none
@@ -167,7 +169,12 @@ contains
          q(:n, k) = last(from:from + n - 1, k)
       end do
       call see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
-      if (.not. batch%mean) call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18), b(:, 19:27))
+      if (batch%spring) then
+         e(:n, :) = batch%axes(from:from + n - 1, :)
+         call spring_axes(n, batch%frame, e, t1, t2, r, b(:, 1:9), b(:, 10:18), b(:, 19:27))
+      else if (.not. batch%mean) then
+         call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18), b(:, 19:27))
+      end if
       select case (batch%chart)
       case (CHART_TWIST)
          call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
@@ -178,11 +185,14 @@ contains
          end do
          call vector_chart(n, batch%mean, scalar, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
             b(:, 19:27), rot, b(:, 28:36))
-      case default
+      case (CHART_UNIVERSAL)
          angle(:n) = batch%angle0(from:from + n - 1)
          call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b(:, 1:9), b(:, 10:18), &
             b(:, 19:27), scalar)
          b(:n, 28:36) = b(:n, 1:9)
+      case default   ! CHART_LINE
+         q(:n, 4:6) = 0.0_wp
+         b(:n, 28:36) = 0.0_wp
       end select
       do k = 0, 2
          !$omp simd

@@ -6,7 +6,8 @@ module kj_joint_batch
    implicit none
    private
 
-   public :: joint_batch_t, joint_state_t, limits_t, new_batch, new_limits, new_joint_state
+   public :: joint_batch_t, joint_state_t, limits_t, new_batch, new_limits, new_joint_state, &
+      is_spring
 
    !> Law signature of a dof, bits
    integer, parameter, public :: LAW_SPRING = 1        !! linear stiffness
@@ -15,6 +16,7 @@ module kj_joint_batch
    integer, parameter, public :: LAW_DAMPER_CURVE = 8  !! tabulated damping force
 
    integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kinds: /PROP/TYPE33, /PROP/TYPE45
+   integer, parameter, public :: SPRING4 = 4, SPRING8 = 8    !! kinds: /PROP/TYPE4, /PROP/TYPE8
 
    !> What a dof does, state%flag
    integer, parameter, public :: DOF_FREE = 0, DOF_SLIDING = 1, DOF_STICKING = 2, DOF_AT_STOP = 3, &
@@ -46,7 +48,7 @@ module kj_joint_batch
       integer :: row = 0                        !! row of kj_joint_types
       integer :: frame = 0                      !! FRAME_ constant
       integer :: law(NDOF) = 0                  !! LAW_ bits of each dof
-      integer :: kind = KJOINT                  !! KJOINT or KJOINT2
+      integer :: kind = KJOINT                  !! KJOINT, KJOINT2, SPRING4 or SPRING8
       logical :: limited = .false.              !! `limit` is there and acts
       integer, allocatable :: node(:, :)        !! (n, 2) node index of each end
       integer, allocatable :: lead(:, :)        !! (n, 2) body or free node that carries the end
@@ -87,6 +89,13 @@ module kj_joint_batch
    end type joint_state_t
 
 contains
+
+   !> A batch of springs, not of joints
+   pure logical function is_spring(batch)
+      type(joint_batch_t), intent(in) :: batch
+
+      is_spring = batch%kind == SPRING4 .or. batch%kind == SPRING8
+   end function is_spring
 
    !> Allocate the constants of n joints, all zero
    subroutine new_batch(n, batch)

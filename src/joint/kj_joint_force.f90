@@ -5,13 +5,14 @@
 module kj_joint_force
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
-   use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_FIRST
-   use kj_joint_batch, only: joint_batch_t, joint_state_t, KJOINT2, LAW_SPRING_CURVE, &
-      LAW_DAMPER_CURVE
+   use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_FIRST, FRAME_CROSS, FRAME_LINE
+   use kj_joint_batch, only: joint_batch_t, joint_state_t, is_spring, KJOINT2, &
+      LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_joint_frame, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, &
       add_cross
    use kj_joint_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve, step_stiffness
    use kj_joint_limit, only: limited_laws
+   use kj_spring, only: line_axes, spring_laws, couple_shares
    implicit none
    private
 
@@ -98,6 +99,8 @@ contains
       end do
       if (batch%limited) then
          call limited_laws(batch, curves, world%time, world%h12, from, n, q, qdot, state, f)
+      else if (is_spring(batch)) then
+         call spring_laws(batch, curves, from, n, q, qdot, f)
       else
          call laws(batch, curves, from, n, q, qdot, state, f)
       end if
@@ -139,12 +142,7 @@ contains
          e(:n, :) = state%e(from:from + n - 1, :)
          call turn_frames(n, a, e)
          dual(:n, :) = e(:n, :)
-      case (FRAME_FIRST)
-         do k = 1, 9
-            e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
-         end do
-         dual(:n, :) = e(:n, :)
-      case default   ! FRAME_CROSS
+      case (FRAME_CROSS)
          if (batch%kind == KJOINT2) then
             call turn_own_axes(batch, world, h, from, n, state, a, b)
          else
@@ -154,6 +152,14 @@ contains
             end do
          end if
          call cross_frames(n, a, b, e, dual)
+      case (FRAME_LINE)
+         call line_axes(n, r, e)
+         dual(:n, :) = e(:n, :)
+      case default   ! FRAME_FIRST, and the other skews of springs
+         do k = 1, 9
+            e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
+         end do
+         dual(:n, :) = e(:n, :)
       end select
       state%e(from:from + n - 1, :) = e(:n, :)
       call to_local(n, dual, r, xl)
@@ -236,7 +242,8 @@ contains
 
    !> Force and moments on the leads, and the stiffness they feel.
    !>
-   !>   F = E f,  c = 1/2 XL x f,  moment at node 1: E (m + c), at node 2: -E (m - c)
+   !>   F = E f,  c = 1/2 XL x f,  moment at node 1: E (m + c), at node 2: -E (m - c);
+   !> springs share the couple otherwise, and count once in the stiffness, not twice
    pure subroutine put_wrench(batch, world, from, n, state, e, xl, f, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
@@ -246,15 +253,17 @@ contains
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: force(BLOCK, 3), m(BLOCK, 3), m1(BLOCK, 3), m2(BLOCK, 3)
-      real(wp) :: arm1(BLOCK, 3), arm2(BLOCK, 3), st, lever
+      real(wp) :: arm1(BLOCK, 3), arm2(BLOCK, 3), st, lever, part(2), times
       integer :: i, j, k
 
+      part = couple_shares(batch)
+      times = merge(1.0_wp, 2.0_wp, is_spring(batch))
       call to_world(n, e, f(:, 1:3), force)
       m(:n, :) = f(:n, 4:6)
-      call add_cross(n, 0.5_wp, xl, f(:, 1:3), m)
+      call add_cross(n, part(1), xl, f(:, 1:3), m)
       call to_world(n, e, m, m1)
       m(:n, :) = -f(:n, 4:6)
-      call add_cross(n, 0.5_wp, xl, f(:, 1:3), m)
+      call add_cross(n, part(2), xl, f(:, 1:3), m)
       call to_world(n, e, m, m2)
       do k = 1, 3
          do i = 1, n
@@ -272,9 +281,9 @@ contains
          wrench(W_FORCE:W_FORCE + 2, j) = force(i, :)
          wrench(W_MOMENT1:W_MOMENT1 + 2, j) = m1(i, :)
          wrench(W_MOMENT2:W_MOMENT2 + 2, j) = m2(i, :)
-         wrench(W_KN, j) = 2.0_wp*st
-         wrench(W_KR1, j) = lever + 2.0_wp*st*(arm1(i, 1)**2 + arm1(i, 2)**2 + arm1(i, 3)**2)
-         wrench(W_KR2, j) = lever + 2.0_wp*st*(arm2(i, 1)**2 + arm2(i, 2)**2 + arm2(i, 3)**2)
+         wrench(W_KN, j) = times*st
+         wrench(W_KR1, j) = lever + times*st*(arm1(i, 1)**2 + arm1(i, 2)**2 + arm1(i, 3)**2)
+         wrench(W_KR2, j) = lever + times*st*(arm2(i, 1)**2 + arm2(i, 2)**2 + arm2(i, 3)**2)
       end do
    end subroutine put_wrench
 

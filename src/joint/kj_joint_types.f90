@@ -11,6 +11,11 @@ module kj_joint_types
    integer, parameter, public :: FRAME_MEAN  = 1     !! J turns with the mean of both bodies
    integer, parameter, public :: FRAME_FIRST = 2     !! J is the first skew (skew flag 1)
    integer, parameter, public :: FRAME_CROSS = 3     !! J is spanned by one axis of each body
+   ! of springs (/PROP/TYPE4, /PROP/TYPE8), which have FRAME_FIRST too
+   integer, parameter, public :: FRAME_SECOND = 4    !! J is a skew that rides on end 2
+   integer, parameter, public :: FRAME_FIXED = 5     !! J is fixed in space
+   integer, parameter, public :: FRAME_APART = 6     !! J is a skew that rides on neither end
+   integer, parameter, public :: FRAME_LINE = 7      !! x of J points from node 1 to node 2
 
    character(len=2), parameter, public :: DOF_NAME(NDOF) = ['tx', 'ty', 'tz', 'rx', 'ry', 'rz']
 

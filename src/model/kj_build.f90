@@ -3,7 +3,7 @@ module kj_build
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t
    use kj_joint_types, only: FRAME_MEAN, FRAME_CROSS
-   use kj_joint_batch, only: KJOINT
+   use kj_joint_batch, only: KJOINT2
    use kj_keywords, only: KW_TITLE
    use kj_deck_data, only: deck_t, title_of
    use kj_engine, only: engine_t
@@ -14,7 +14,9 @@ module kj_build
    use kj_build_group, only: build_groups
    use kj_build_body, only: build_bodies
    use kj_build_velocity, only: build_velocities
+   use kj_build_spring, only: build_spring_properties
    use kj_build_joint, only: build_joints
+   use kj_joint_draft, only: property_t
    use kj_build_load, only: build_conditions, build_gravity, build_cloads, build_motions
    use kj_build_request, only: build_requests
    use kj_model, only: model_t, SCALE_NONE, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW
@@ -38,6 +40,7 @@ contains
       logical, intent(in), optional :: legacy    !! unit factors as OpenRadioss has them; .false.
 
       type(draft_t) :: draft
+      type(property_t), allocatable :: springs(:)
       integer, allocatable :: blocks(:)
 
       if (present(legacy)) draft%legacy = legacy
@@ -54,9 +57,10 @@ contains
       call build_masses(deck, draft, findings)
       call build_curves(deck, draft, findings)
       call build_sensors(deck, draft, findings)
+      call build_spring_properties(deck, draft, springs, findings)
       call build_bodies(deck, draft, model, findings)
       call build_velocities(deck, draft, model, findings)
-      call build_joints(deck, draft, model, findings)
+      call build_joints(deck, draft, springs, model, findings)
       call build_conditions(deck, draft, model, findings)
       call build_gravity(deck, draft, model, findings)
       call build_cloads(deck, draft, model, findings)
@@ -121,7 +125,7 @@ contains
          case ('STOP'); c%below_min = STOP_BELOW
          case default; c%below_min = SCALE_NONE
          end select
-         c%nodal_step = any(model%batch%kind == KJOINT) .or. len_trim(engine%noda) > 0
+         c%nodal_step = any(model%batch%kind /= KJOINT2) .or. len_trim(engine%noda) > 0
          c%joint_step = model%n_joint > 0 .and. .not. c%nodal_step
          if (.not. engine%has_dtix) return
          c%dt_ini = engine%dtix_ini

@@ -2,7 +2,8 @@
 module kj_build_batch
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: joint_batch_t, limits_t, new_batch, new_limits, LAW_SPRING, LAW_DAMPER
+   use kj_joint_batch, only: joint_batch_t, limits_t, new_batch, new_limits, is_spring, &
+      LAW_SPRING, LAW_DAMPER
    use kj_assembly, only: build_lead_map
    use kj_joint_draft, only: property_t, joint_t
    use kj_model, only: model_t
@@ -27,6 +28,7 @@ contains
       do j = 1, size(joint)
          associate (p => property(joint(j)%property))
             mine = [p%row, p%frame, p%kind, merge(1, 0, p%limited), joint(j)%law]
+            if (joint(j)%rule > 0) mine(2) = joint(j)%rule
          end associate
          do b = 1, n
             if (all(key(:, b) == mine)) exit
@@ -94,6 +96,10 @@ contains
          if (iand(joint%law(dof), LAW_DAMPER) /= 0 .and. joint_types(p%row)%free(dof) == 1) &
             batch%c_top(i, s) = max(batch%c_top(i, s), joint%c(dof))
       end do
+      if (is_spring(batch)) then
+         batch%k_top(i, :) = joint%top(1:2)
+         batch%c_top(i, :) = joint%top(3:4)
+      end if
       if (batch%limited) call put_limits(p, joint, i, batch%limit)
    end subroutine put_joint
 

@@ -4,8 +4,8 @@ module kj_build_joint
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: find
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: KJOINT, KJOINT2, LAW_SPRING, LAW_DAMPER, LAW_SPRING_CURVE, &
-      LAW_DAMPER_CURVE
+   use kj_joint_batch, only: KJOINT, KJOINT2, SPRING4, SPRING8, LAW_SPRING, LAW_DAMPER, &
+      LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_keywords, only: KW_KJOINT, KW_KJOINT2
    use kj_deck_data, only: deck_t, title_of
    use kj_cards, only: cards_t, rows_t, read_cards, report_row
@@ -16,6 +16,7 @@ module kj_build_joint
    use kj_build_property2, only: read_property2
    use kj_start_frame, only: match_skews, frame_of_skews, frame_of_nodes, angles_of_skews
    use kj_build_batch, only: fill_batches
+   use kj_build_spring_end, only: attach_spring, weigh_springs
    implicit none
    private
 
@@ -23,10 +24,11 @@ module kj_build_joint
 
 contains
 
-   !> All joints of the deck
-   subroutine build_joints(deck, draft, model, findings)
+   !> All joints and springs of the deck
+   subroutine build_joints(deck, draft, springs, model, findings)
       type(deck_t), intent(in) :: deck
       type(draft_t), intent(inout) :: draft
+      type(property_t), intent(in) :: springs(:)   !! properties of springs
       type(model_t), intent(inout) :: model
       type(finding_list_t), intent(inout) :: findings
 
@@ -46,30 +48,40 @@ contains
             call read_property(deck, cards, draft, property(i), findings)
          end if
       end do
-      call read_springs(deck, draft, property, joint, model, findings)
-      if (findings%n_error == 0) call fill_batches(property, joint, model)
+      property = [property, springs]
+      allocate (joint(draft%elements%n), model%joint(draft%elements%n), &
+         model%joint_name(draft%elements%n))
+      call attach_elements(deck, draft, property, 1, size(blocks), joint, model, findings)
+      model%n_joint = model%n_element
+      call attach_elements(deck, draft, property, size(blocks) + 1, size(property), joint, model, &
+         findings)
+      model%n_spring = model%n_element - model%n_joint
+      joint = joint(:model%n_element)
+      model%joint = model%joint(:model%n_element)
+      if (findings%n_error > 0) return
+      call weigh_springs(model, model%n_joint, joint)
+      call fill_batches(property, joint, model)
    end subroutine build_joints
 
-   !> Elements of the parts whose property is one of joints: these come first among the properties
-   subroutine read_springs(deck, draft, property, joint, model, findings)
+   !> Elements of the parts whose property is one from `least` to `most`, after those that are there
+   subroutine attach_elements(deck, draft, property, least, most, joint, model, findings)
       type(deck_t), intent(in) :: deck
       type(draft_t), intent(in) :: draft
       type(property_t), intent(in) :: property(:)
-      type(joint_t), allocatable, intent(out) :: joint(:)
+      integer, intent(in) :: least, most
+      type(joint_t), intent(inout) :: joint(:)
       type(model_t), intent(inout) :: model
       type(finding_list_t), intent(inout) :: findings
 
       integer :: b, i, n, part
 
-      allocate (joint(draft%elements%n), model%joint(draft%elements%n), &
-         model%joint_name(draft%elements%n))
-      n = 0
+      n = model%n_element
       do b = 1, size(draft%elements%block)
          associate (block => draft%elements%block(b), rows => draft%elements%rows(b))
             part = find(draft%part, deck%block(block)%id)
             if (part == 0) cycle
             if (draft%part_property(part) == 0) cycle
-            if (draft%part_property(part) > size(property)) cycle
+            if (draft%part_property(part) < least .or. draft%part_property(part) > most) cycle
             do i = 1, rows%n
                n = n + 1
                joint(n)%property = draft%part_property(part)
@@ -80,10 +92,8 @@ contains
             end do
          end associate
       end do
-      model%n_joint = n
-      joint = joint(:n)
-      model%joint = model%joint(:n)
-   end subroutine read_springs
+      model%n_element = n
+   end subroutine attach_elements
 
    !> Nodes, bodies, initial frame and constants of one element
    subroutine attach(deck, block, rows, i, draft, model, property, joint, findings)
@@ -102,12 +112,16 @@ contains
       if (any(raw(:given) == 0)) return
       joint%node = draft%new(raw(:2))
       associate (p => property(joint%property))
-         call check_ends(deck, block, rows, i, draft, model, p%kind, raw(:2), findings)
          if (raw(1) == raw(2)) then
             call report_row(deck, block, rows, i, 'n2', SEV_ERROR, 'KJ-9120', &
-               'both ends of the joint are the same node', 'same as n1', findings)
+               'both ends of the element are the same node', 'same as n1', findings)
             return
          end if
+         if (p%kind == SPRING4 .or. p%kind == SPRING8) then
+            call attach_spring(deck, block, rows, i, draft, model, p, joint, findings)
+            return
+         end if
+         call check_ends(deck, block, rows, i, draft, model, p%kind, raw(:2), findings)
          if (p%row == 0) return
          if (p%kind == KJOINT2) then
             given = min(given, 4)

@@ -14,8 +14,8 @@ module kj_build_request
 
 contains
 
-   !> /TH requests: joints, bodies and nodes of the history, ascending user id; where the deck asks
-   !> for none: all joints, all bodies, no nodes
+   !> /TH requests: joints, springs, bodies and nodes of the history, ascending user id; where the
+   !> deck asks for none: all joints, springs and bodies, no nodes
    subroutine build_requests(deck, draft, model, findings)
       type(deck_t), intent(in) :: deck
       type(draft_t), intent(in) :: draft
@@ -30,6 +30,8 @@ contains
       call collect(deck, blocks, joints, draft%elements%id, 'element', 'KJ-0069', SEV_ERROR, &
          model%th_joint, findings)
       if (size(blocks) == 0) model%th_joint = joints%place
+      model%th_spring = pack(model%th_joint, model%th_joint > model%n_joint)
+      model%th_joint = pack(model%th_joint, model%th_joint <= model%n_joint)
       blocks = blocks_of(deck, KW_TH_RBODY)
       call collect(deck, blocks, draft%body_id, draft%body_id, 'rigid body', 'KJ-0257', &
          SEV_WARNING, &

@@ -11,7 +11,7 @@ module kj_joint_draft
    !> A /PROP/KJOINT or /PROP/KJOINT2, checked; in work units
    type :: property_t
       integer :: id = 0
-      integer :: kind = KJOINT                  !! KJOINT or KJOINT2
+      integer :: kind = KJOINT                  !! KJOINT, KJOINT2, SPRING4 or SPRING8
       integer :: row = 0                        !! row of kj_joint_types, 0 = not usable
       integer :: frame = 0                      !! FRAME_ constant
       integer :: skew(2) = 0                    !! skew indices
@@ -30,6 +30,9 @@ module kj_joint_draft
       real(wp) :: t_lock = huge(1.0_wp), t_free = huge(1.0_wp)
       logical :: limited = .false.              !! has stops, friction, a lock or automatic
                                                 !! stiffness
+      ! springs only
+      real(wp) :: mass = 0.0_wp, inertia = 0.0_wp
+      logical :: balanced = .false.             !! asks for the couple of the force (Iequil)
    end type property_t
 
    !> A spring element on its way into a batch
@@ -43,6 +46,10 @@ module kj_joint_draft
       real(wp) :: k(NDOF) = 0.0_wp, c(NDOF) = 0.0_wp
       real(wp) :: k_block(2) = 0.0_wp           !! of the blocked translations and rotations
       integer :: law(NDOF) = 0
+      ! springs only
+      integer :: rule = 0                       !! FRAME_ constant, 0 = that of the property
+      !> largest stiffness of translations and rotations, largest damping of both
+      real(wp) :: top(4) = 0.0_wp
    end type joint_t
 
 end module kj_joint_draft

@@ -2,7 +2,7 @@
 module kj_kn_scale
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: joint_batch_t, LAW_SPRING
+   use kj_joint_batch, only: joint_batch_t, is_spring, LAW_SPRING
    use kj_model, only: model_t
    implicit none
    private
@@ -21,7 +21,7 @@ contains
       integer :: b
 
       do b = 1, size(model%batch)
-         call scale_batch(model%batch(b), factor)
+         if (.not. is_spring(model%batch(b))) call scale_batch(model%batch(b), factor)
       end do
    end subroutine scale_blocking
 

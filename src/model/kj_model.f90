@@ -67,7 +67,7 @@ module kj_model
       real(wp) :: t_sensor = 0.0_wp
    end type motion_t
 
-   !> Place of a joint in the batches, and what messages and histories say of it
+   !> Place of a joint or spring in the batches, and what messages and histories say of it
    type, public :: joint_ref_t
       integer :: id = 0, property = 0, part = 0     !! user ids
       integer :: row = 0                            !! row of kj_joint_types
@@ -86,7 +86,7 @@ module kj_model
       integer :: below_min = SCALE_NONE        !! what happens to a node below dt_min
       real(wp) :: dt_ini = 0.0_wp              !! /DTIX, 0 = not given
       real(wp) :: dt_max = 1.0e20_wp
-      logical :: nodal_step = .true.           !! a TYPE33 joint or /DT/NODA switches it on
+      logical :: nodal_step = .true.           !! by a TYPE33 joint, a spring or /DT/NODA
       !> the step of TYPE45 joints alone, without nodal_step
       logical :: joint_step = .false.
       integer :: print_every = 100
@@ -97,7 +97,8 @@ module kj_model
       character(len=:), allocatable :: title
       type(unit_system_t) :: units
       type(control_t) :: control
-      integer :: n_node = 0, n_body = 0, n_lead = 0, n_joint = 0
+      integer :: n_node = 0, n_body = 0, n_lead = 0, n_joint = 0, n_spring = 0
+      integer :: n_element = 0                     !! joints and springs
       ! nodes
       integer, allocatable :: node_id(:)           !! (n_node) user ids
       integer, allocatable :: lead(:)              !! (n_node) the lead that carries the node
@@ -118,14 +119,15 @@ module kj_model
       type(skew_set_t) :: skews
       type(curve_set_t) :: curves
       type(joint_batch_t), allocatable :: batch(:)
-      type(joint_ref_t), allocatable :: joint(:)   !! in deck order
-      type(name_t), allocatable :: joint_name(:)   !! title of the part
+      !> (n_element) joints in deck order, then springs in deck order
+      type(joint_ref_t), allocatable :: joint(:)
+      type(name_t), allocatable :: joint_name(:)   !! (n_element) title of the part
       type(lead_map_t) :: map
       type(bcs_t), allocatable :: bcs(:)
       type(load_t), allocatable :: gravity(:), cload(:)
       type(motion_t), allocatable :: motion(:)
       ! what the history holds, ascending user id: indices into joint(:), bodies, nodes
-      integer, allocatable :: th_joint(:), th_body(:), th_node(:)
+      integer, allocatable :: th_joint(:), th_spring(:), th_body(:), th_node(:)
       integer, allocatable :: th_node_skew(:)      !! skew index of each, 0 = global
       type(name_t), allocatable :: th_node_name(:)
    end type model_t

@@ -11,20 +11,22 @@ module kj_channels
    public :: channel_t, group_t, find_channel, find_t01, sampled_at
 
    !> Owners: which group of the file a channel stands in, one series per owner
-   integer, parameter, public :: OF_RUN = 1, OF_JOINT = 2, OF_BODY = 3, OF_NODE = 4
+   integer, parameter, public :: OF_RUN = 1, OF_JOINT = 2, OF_BODY = 3, OF_NODE = 4, &
+      OF_SPRING = 5
 
    !> A group of the file: the place of one kind of owner
    type :: group_t
       character(len=10) :: path      !! group in the file; '' is the root
-      character(len=5)  :: entity    !! name of the entity dimension and of its scale
-      integer           :: t01_type  !! type code of the T01 file, -1 for globals
+      character(len=6)  :: entity    !! name of the entity dimension and of its scale
+      integer           :: t01_type  !! type code of the T01 file, negative where there is none
    end type group_t
 
-   type(group_t), parameter, public :: groups(4) = [ &
+   type(group_t), parameter, public :: groups(5) = [ &
       group_t('',           '',      -1), &
       group_t('joint',      'joint',  6), &
       group_t('rigid_body', 'body', 103), &
-      group_t('node',       'node',   0)]
+      group_t('node',       'node',   0), &
+      group_t('spring',     'spring', -2)]
 
    !> Time level of a sample under the legacy formulation; consistent samples everything at t
    integer, parameter, public :: AT_T = 1, AT_HALF = 2, AT_NEXT = 3
@@ -59,10 +61,12 @@ module kj_channels
       CH_J_GAP = 36, CH_J_GAP_ROT = 37, CH_B_POS = 38, CH_B_VEL = 39, CH_B_ANGVEL = 40, &
       CH_B_ACC = 41, CH_B_ANGACC = 42, CH_B_FORCE = 43, CH_B_MOMENT = 44, CH_B_IMPULSE = 45, &
       CH_B_ANGIMP = 46, CH_B_ROTSUM = 47, CH_B_ORIENT = 48, CH_B_KE = 49, CH_N_POS = 50, &
-      CH_N_DISP = 51, CH_N_VEL = 52, CH_N_ANGVEL = 53, CH_N_ACC = 54, CH_N_ANGACC = 55
+      CH_N_DISP = 51, CH_N_VEL = 52, CH_N_ANGVEL = 53, CH_N_ACC = 54, CH_N_ANGACC = 55, &
+      CH_S_FORCE = 56, CH_S_MOMENT = 57, CH_S_DISP = 58, CH_S_ROT = 59, CH_S_IE = 60
 
    ! the same constants by short names, so that a row is one line
    integer, parameter :: RUN = OF_RUN, JOINT = OF_JOINT, BODY = OF_BODY, NODE = OF_NODE, &
+      SPRING = OF_SPRING, &
       F64 = AS_F64, I64 = AS_I64, I32 = AS_I32, I8 = AS_I8, T = AT_T, HALF = AT_HALF, NEXT = AT_NEXT
    character(len=6), parameter :: W = 'global', J = 'joint'
 
@@ -73,7 +77,7 @@ module kj_channels
       channel_t(RUN, 'time_step', 1, F64, TIME, 'control', '', T, 7, 'DT', 'coming time step'), &
       channel_t(RUN, 'kinetic_energy_trans', 1, F64, ENERGY, 'energy', '', T, 2, 'KE', 'translational kinetic energy'), &
       channel_t(RUN, 'kinetic_energy_rot', 1, F64, ENERGY, 'energy', '', T, 8, 'RKE', 'rotational kinetic energy'), &
-      channel_t(RUN, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 1, 'IE', 'work done on all joints'), &
+      channel_t(RUN, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 1, 'IE', 'work done on all joints and springs'), &
       channel_t(RUN, 'external_work', 1, F64, ENERGY, 'energy', '', T, 9, 'EFW', 'work of loads and imposed motion'), &
       channel_t(RUN, 'potential_energy', 1, F64, ENERGY, 'energy', '', T, 0, '', 'potential of constant gravity'), &
       channel_t(RUN, 'energy_error', 1, F64, NUM, 'energy', '', T, 0, '', 'energy error as a fraction'), &
@@ -122,7 +126,12 @@ module kj_channels
       channel_t(NODE, 'velocity', 3, F64, VEL, 'velocity', W, HALF, 4, 'VX VY VZ', 'velocity'), &
       channel_t(NODE, 'angular_velocity', 3, F64, ANGVEL, 'angular_velocity', W, HALF, 10, 'VRX VRY VRZ', 'angular velocity'), &
       channel_t(NODE, 'acceleration', 3, F64, ACC, 'acceleration', W, T, 7, 'AX AY AZ', 'acceleration'), &
-      channel_t(NODE, 'angular_acceleration', 3, F64, ANGACC, 'acceleration', W, T, 13, 'ARX ARY ARZ', 'angular acceleration')]
+      channel_t(NODE, 'angular_acceleration', 3, F64, ANGACC, 'acceleration', W, T, 13, 'ARX ARY ARZ', 'angular acceleration'), &
+      channel_t(SPRING, 'force', 3, F64, FORCE, 'force', J, T, 0, 'FX FY FZ', 'spring force on node 1, spring axes'), &
+      channel_t(SPRING, 'moment', 3, F64, MOMENT, 'moment', J, T, 0, 'MX MY MZ', 'spring moment on node 1'), &
+      channel_t(SPRING, 'displacement', 3, F64, LEN, 'displacement', J, T, 0, 'LX LY LZ', 'displacement of node 2 from node 1'), &
+      channel_t(SPRING, 'rotation', 3, F64, ANGLE, 'rotation', J, T, 0, 'RX RY RZ', 'rotation of end 2 relative to end 1'), &
+      channel_t(SPRING, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 0, 'IE', 'work done on the spring')]
 
 contains
 

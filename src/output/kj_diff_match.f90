@@ -3,7 +3,8 @@ module kj_diff_match
    use kj_error, only: str
    use kj_sort, only: lookup_t, new_lookup, find
    use kj_history, only: history_t
-   use kj_channels, only: channels, groups, OF_RUN, OF_JOINT, OF_BODY, OF_NODE, CH_CYCLE, &
+   use kj_channels, only: channels, groups, OF_RUN, OF_JOINT, OF_BODY, OF_NODE, &
+      OF_SPRING, CH_CYCLE, &
       CH_TIME_STEP, CH_OWNER_KIND, CH_OWNER
    use kj_diff_types, only: channel_result_t, class_result_t, diff_options_t, profile_t
    use kj_diff_walk, only: cursor_t
@@ -80,6 +81,7 @@ contains
       if (owner == OF_JOINT .and. allocated(history%joint_id)) id = history%joint_id
       if (owner == OF_BODY .and. allocated(history%body_id)) id = history%body_id
       if (owner == OF_NODE .and. allocated(history%node_id)) id = history%node_id
+      if (owner == OF_SPRING .and. allocated(history%spring_id)) id = history%spring_id
       if (.not. allocated(id)) allocate (id(0))
    end subroutine entity_ids
 

@@ -5,7 +5,7 @@ module kj_h5_group
    use kj_utf8, only: as_utf8
    use kj_units, only: unit_text, D_NUMBER, D_MASS, D_INERTIA
    use kj_joint_types, only: joint_types, find_joint_type, DOF_NAME
-   use kj_channels, only: channels, groups, OF_JOINT, OF_BODY, OF_NODE, AS_F64, AS_I32
+   use kj_channels, only: channels, groups, OF_JOINT, OF_BODY, OF_NODE, OF_SPRING, AS_F64, AS_I32
    use kj_history, only: history_t, text_t
    use kj_h5, only: hid_t, close_object, put_text
    use kj_h5_data, only: write_numbers, write_texts, make_scale, attach_scale
@@ -24,7 +24,7 @@ module kj_h5_group
 
 contains
 
-   !> Number of joints, bodies or nodes
+   !> Number of joints, bodies, nodes or springs
    pure integer function n_entity(history, owner) result(n)
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner
@@ -33,6 +33,7 @@ contains
       if (owner == OF_JOINT .and. allocated(history%joint_id)) n = size(history%joint_id)
       if (owner == OF_BODY .and. allocated(history%body_id)) n = size(history%body_id)
       if (owner == OF_NODE .and. allocated(history%node_id)) n = size(history%node_id)
+      if (owner == OF_SPRING .and. allocated(history%spring_id)) n = size(history%spring_id)
    end function n_entity
 
    !> Name of the dimension over components
@@ -70,6 +71,7 @@ contains
       if (owner == OF_JOINT) id(:) = history%joint_id
       if (owner == OF_BODY) id(:) = history%body_id
       if (owner == OF_NODE) id(:) = history%node_id
+      if (owner == OF_SPRING) id(:) = history%spring_id
       meaning = 'user id of the '//name
       if (owner == OF_JOINT) meaning = 'user id of the spring element'
       if (owner == OF_BODY) meaning = 'user id of the rigid body'
@@ -121,6 +123,7 @@ contains
       scope%coordinates = ''
       if (owner == OF_JOINT) call write_joints(scope, history, error)
       if (owner == OF_BODY) call write_bodies(scope, history, error)
+      if (owner == OF_SPRING) call write_springs(scope, history, error)
       if (owner == OF_NODE) call write_labels(scope, 'label', history%node_label, &
          'name of the node', error)
    end subroutine write_constants
@@ -147,17 +150,40 @@ contains
       end if
       if (allocated(history%joint_property)) &
          call write_ids(scope, 'property', history%joint_property, 'user id of the property', error)
-      if (allocated(history%joint_node)) then
-         call write_ids(scope, 'node1', history%joint_node(1, :), 'user id of node 1', error)
-         call write_ids(scope, 'node2', history%joint_node(2, :), 'user id of node 2', error)
+      call write_ends(scope, history%joint_node, history%joint_body, error)
+   end subroutine write_joints
+
+   !> What is constant of each spring
+   subroutine write_springs(scope, history, error)
+      type(group_scope_t), intent(inout) :: scope
+      type(history_t), intent(in) :: history
+      type(error_t), allocatable, intent(inout) :: error
+
+      call write_labels(scope, 'label', history%spring_label, 'title of the part', error)
+      if (allocated(history%spring_type)) &
+         call write_ids(scope, 'type', history%spring_type, 'type of the property: 4 or 8', error)
+      if (allocated(history%spring_property)) call write_ids(scope, 'property', &
+         history%spring_property, 'user id of the property', error)
+      call write_ends(scope, history%spring_node, history%spring_body, error)
+   end subroutine write_springs
+
+   !> Nodes of joints or springs and the bodies that carry them
+   subroutine write_ends(scope, node, body, error)
+      type(group_scope_t), intent(in) :: scope
+      integer, allocatable, intent(in) :: node(:, :), body(:, :)   !! (2, n) user ids
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(node)) then
+         call write_ids(scope, 'node1', node(1, :), 'user id of node 1', error)
+         call write_ids(scope, 'node2', node(2, :), 'user id of node 2', error)
       end if
-      if (allocated(history%joint_body)) then
-         call write_ids(scope, 'body1', history%joint_body(1, :), &
+      if (allocated(body)) then
+         call write_ids(scope, 'body1', body(1, :), &
             'user id of the rigid body of node 1, 0 = none', error)
-         call write_ids(scope, 'body2', history%joint_body(2, :), &
+         call write_ids(scope, 'body2', body(2, :), &
             'user id of the rigid body of node 2, 0 = none', error)
       end if
-   end subroutine write_joints
+   end subroutine write_ends
 
    !> What is constant of each rigid body
    subroutine write_bodies(scope, history, error)

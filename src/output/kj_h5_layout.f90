@@ -7,8 +7,8 @@ module kj_h5_layout
    use kj_sha256, only: sha256
    use kj_utf8, only: as_utf8
    use kj_units, only: unit_text
-   use kj_channels, only: channels, groups, sampled_at, OF_RUN, OF_JOINT, OF_NODE, AS_F64, AS_I32, &
-      AS_I8, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
+   use kj_channels, only: channels, groups, sampled_at, OF_RUN, OF_JOINT, OF_SPRING, AS_F64, &
+      AS_I32, AS_I8, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
    use kj_history, only: history_t, variable_t, text_t
    use kj_h5, only: hid_t, create_group, close_object, has_link, link_to, put_text, put_texts, &
       put_number, put_numbers
@@ -49,7 +49,7 @@ contains
          if (channels(history%variable(i)%channel)%owner /= OF_RUN .or. series(i) >= 0) cycle
          call write_variable(root, history, history%variable(i), n_chunk, series(i), error)
       end do
-      do owner = OF_JOINT, OF_NODE
+      do owner = OF_JOINT, OF_SPRING
          call write_group(file, root%time, history, owner, n_chunk, series, error)
       end do
       call write_input(file, history, error)
@@ -81,7 +81,7 @@ contains
          call put_text(file, 'input_sha256', sha256(all_input), error)
       end if
       call put_text(file, 'NX_class', 'NXentry', error)
-      do owner = OF_JOINT, OF_NODE
+      do owner = OF_JOINT, OF_SPRING
          if (n_entity(history, owner) == 0) cycle
          call put_text(file, 'default', trim(groups(owner)%path), error)
          exit
@@ -131,7 +131,7 @@ contains
       integer :: i, best
 
       wanted = 'position'
-      if (owner == OF_JOINT) wanted = 'force'
+      if (owner == OF_JOINT .or. owner == OF_SPRING) wanted = 'force'
       best = 0
       do i = size(history%variable), 1, -1
          if (channels(history%variable(i)%channel)%owner /= owner) cycle

@@ -43,6 +43,10 @@ module kj_history
       ! nodes, ascending user id
       integer, allocatable :: node_id(:)
       type(text_t), allocatable :: node_label(:)
+      ! springs, ascending user id
+      integer, allocatable :: spring_id(:), spring_type(:), spring_property(:)
+      integer, allocatable :: spring_node(:, :), spring_body(:, :)      !! (2, n) user ids, 0 = none
+      type(text_t), allocatable :: spring_label(:)
       ! deck files: name, full text, role ("starter", "engine", "include")
       type(text_t), allocatable :: input_name(:), input_text(:), input_role(:)
    end type history_t

@@ -171,6 +171,8 @@ contains
          line = joined(line, ', ', counted(size(history%body_id), 'rigid body', 'rigid bodies'))
       if (allocated(history%node_id)) &
          line = joined(line, ', ', counted(size(history%node_id), 'node', 'nodes'))
+      if (allocated(history%spring_id)) &
+         line = joined(line, ', ', counted(size(history%spring_id), 'spring', 'springs'))
       call add_fact(text, 'holds', line)
       line = counted(survey%n_row, 'sample', 'samples')
       i = place_of(history, CH_TIME)

@@ -6,14 +6,13 @@ module kj_sample
    use kj_math3, only: cross, to_quaternion, turn_between
    use kj_curve, only: curve_integral
    use kj_joint_types, only: joint_types, FRAME_CROSS
-   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
+   use kj_joint_batch, only: joint_batch_t, SPRING8, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
    use kj_joint_stop, only: has_limits
    use kj_model, only: model_t
    use kj_state, only: state_t, OWNER_JOINT
-   use kj_skew, only: axis_of
    use kj_load, only: gravity_at
    use kj_energy, only: balance_t, balance_of, energy_error
-   use kj_body, only: secondary_velocity
+   use kj_sample_node, only: node_value
    use kj_history, only: history_t, variable_t, add_variable
    use kj_channels, only: channels, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_KE_TRANS, CH_KE_ROT, &
       CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, CH_MOM_X, CH_MOM_Y, CH_MOM_Z, CH_ANG_X, &
@@ -21,8 +20,9 @@ module kj_sample
       CH_J_DISP, CH_J_ROT, CH_J_VEL, CH_J_ANGVEL, CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, &
       CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, CH_J_FRAME, CH_J_ORTHO, CH_J_STATE, CH_J_FRICTION, &
       CH_J_GAP, CH_J_GAP_ROT, CH_B_POS, CH_B_VEL, CH_B_ANGVEL, CH_B_ACC, CH_B_ANGACC, CH_B_FORCE, &
-      CH_B_MOMENT, CH_B_IMPULSE, CH_B_ANGIMP, CH_B_ROTSUM, CH_B_ORIENT, CH_B_KE, CH_N_POS, &
-      CH_N_DISP, CH_N_VEL, CH_N_ANGVEL, CH_N_ACC, CH_N_ANGACC, OF_RUN, OF_JOINT, OF_BODY, OF_NODE
+      CH_B_MOMENT, CH_B_IMPULSE, CH_B_ANGIMP, CH_B_ROTSUM, CH_B_ORIENT, CH_B_KE, &
+      CH_S_FORCE, CH_S_MOMENT, &
+      CH_S_DISP, CH_S_ROT, CH_S_IE, OF_RUN, OF_JOINT, OF_BODY, OF_NODE, OF_SPRING
    implicit none
    private
 
@@ -44,20 +44,29 @@ contains
       type(history_t), intent(inout) :: history
       type(sampler_t), intent(out) :: sampler
 
-      integer :: row, n(4)
+      integer :: row, n(5)
 
       n(OF_RUN) = 1
       n(OF_JOINT) = size(model%th_joint)
       n(OF_BODY) = size(model%th_body)
       n(OF_NODE) = size(model%th_node)
+      n(OF_SPRING) = size(model%th_spring)
       do row = 1, size(channels)
          if (row >= CH_J_STATE .and. row <= CH_J_GAP_ROT .and. .not. any_limits(model)) cycle
+         if (any(row == [CH_S_MOMENT, CH_S_ROT]) .and. .not. any_moments(model)) cycle
          if (n(channels(row)%owner) > 0) call add_variable(history, row, n(channels(row)%owner))
       end do
       allocate (sampler%orientation(4, model%n_body), source=0.0_wp)
       sampler%orientation(1, :) = 1.0_wp
       allocate (sampler%gravity(model%n_lead, 3), source=0.0_wp)
    end subroutine new_sampler
+
+   !> A spring of the history has laws of rotation
+   pure logical function any_moments(model)
+      type(model_t), intent(in) :: model
+
+      any_moments = any(model%batch(model%joint(model%th_spring)%batch)%kind == SPRING8)
+   end function any_moments
 
    !> A joint of the history has stops, friction or a lock
    pure logical function any_limits(model)
@@ -113,6 +122,10 @@ contains
                   do k = 1, v%n_entity
                      call body_value(model, state, v, model%th_body(k), sampler, &
                         values((k - 1)*v%n_comp + 1:k*v%n_comp))
+                  end do
+               case (OF_SPRING)
+                  do k = 1, v%n_entity
+                     values((k - 1)*v%n_comp + 1:k*v%n_comp) = spring_value(model, state, v, k)
                   end do
                case (OF_NODE)
                   do k = 1, v%n_entity
@@ -218,6 +231,28 @@ contains
          end associate
       end associate
    end function joint_value
+
+   !> Value of a spring channel; k counts the springs of the history
+   function spring_value(model, state, v, k) result(y)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+      type(variable_t), intent(in) :: v
+      integer, intent(in) :: k
+      real(wp) :: y(v%n_comp)
+
+      y = 0.0_wp
+      associate (ref => model%joint(model%th_spring(k)))
+         associate (s => state%joint(ref%batch), i => ref%place)
+            select case (v%channel)
+            case (CH_S_FORCE); y = s%f(i, 1:3)
+            case (CH_S_MOMENT); y = s%f(i, 4:6)
+            case (CH_S_DISP); y = s%q(i, 1:3)
+            case (CH_S_ROT); y = s%q(i, 4:6)
+            case (CH_S_IE); y = s%energy(i)
+            end select
+         end associate
+      end associate
+   end function spring_value
 
    !> How far directions first..last are from their nearest stop; negative beyond it. Combined stops
    !> have one radius, the least of theirs, but each its own under legacy.
@@ -326,80 +361,5 @@ contains
          y = 0.5_wp*(state%mass(body)*dot_product(vh, vh) + sum(state%principal(body, :)*wl**2))
       end select
    end subroutine body_value
-
-   !> Value of a node channel; k counts the nodes of the history
-   function node_value(model, state, v, k) result(y)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(in) :: state
-      type(variable_t), intent(in) :: v
-      integer, intent(in) :: k
-      real(wp) :: y(v%n_comp)
-
-      integer :: node, skew, dir
-
-      node = model%th_node(k)
-      y = 0.0_wp
-      select case (v%channel)
-      case (CH_N_POS); y = state%world%x(node, :)
-      case (CH_N_DISP); y = state%d(node, :)
-      case (CH_N_VEL); y = state%v(node, :)
-      case (CH_N_ANGVEL); y = turning_of(model, state, node)
-      case (CH_N_ACC); y = acceleration_of(model, state, node, 0)
-      case (CH_N_ANGACC); y = acceleration_of(model, state, node, 3)
-      end select
-      skew = model%th_node_skew(k)
-      if (skew == 0 .or. v%channel == CH_N_POS) return
-      y = [(dot_product(y, axis_of(state%world%skew, skew, dir)), dir=1, 3)]
-   end function node_value
-
-   !> Angular velocity of a node; conditions act on a secondary node one cycle later than on its
-   !> body
-   pure function turning_of(model, state, node) result(w)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(in) :: state
-      integer, intent(in) :: node
-      real(wp) :: w(3)
-
-      integer :: lead
-
-      lead = model%lead(node)
-      w = state%world%w(lead, :)
-      if (.not. state%staggered) return
-      if (node /= lead .and. state%bcs_of(lead) > 0) w = state%w_before(state%bcs_of(lead), :)
-   end function turning_of
-
-   !> Acceleration (offset 0) or angular acceleration (offset 3) of a node; that of a secondary node
-   !> is the difference of its velocities over h12 in the staggered scheme
-   pure function acceleration_of(model, state, node, offset) result(a)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(in) :: state
-      integer, intent(in) :: node, offset
-      real(wp) :: a(3)
-
-      real(wp) :: v(3), w(3)
-      integer :: lead
-
-      lead = model%lead(node)
-      if (node == lead) then
-         a = state%a(lead, :)
-         if (offset > 0) a = state%al(lead, :)
-         return
-      end if
-      if (.not. state%staggered) then
-         w = state%world%w(lead, :)
-         v = state%world%x(node, :) - state%world%x(lead, :)
-         a = state%a(lead, :) + cross(state%al(lead, :), v) + cross(w, cross(w, v))
-         if (offset > 0) a = state%al(lead, :)
-         return
-      end if
-      w = state%world%w(lead, :) + state%h12*state%al(lead, :)
-      if (offset > 0) then
-         a = (w - turning_of(model, state, node))/state%h12
-         return
-      end if
-      v = state%v(lead, :) + state%h12*state%a(lead, :)
-      a = (secondary_velocity(v, w, state%world%x(node, :) - state%world%x(lead, :), state%h2, &
-         state%h12, model%first(lead + 1) - model%first(lead) <= 2) - state%v(node, :))/state%h12
-   end function acceleration_of
 
 end module kj_sample

@@ -1,6 +1,5 @@
-!> Time-step limits of a scene under the consistent formulation: the safe bound, the nodal rule, and
-!> the exact limit of the assembled scene. Damping is implicit, so stiffness alone counts (kappa =
-!> 0).
+!> The safe time-step bound of a scene under the consistent formulation; kj_c_limits has others.
+!> Damping is implicit, so stiffness alone counts (kappa = 0).
 !>
 !> Safe: with the mass of each body shared among its joints, M = sum s_bj M_b, the step is stable if
 !> 4 M_j - h^2 K_j > 0 for every joint alone: h = 2/sqrt(max lambda_j), lambda_j the largest
@@ -9,30 +8,31 @@
 module kj_c_bound
    use kj_kinds, only: wp
    use kj_lapack, only: largest_eigenvalue
-   use kj_joint_batch, only: joint_state_t, new_joint_state, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_joint_force, only: start_stiffness
-   use kj_joint_law, only: step_stiffness
+   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_curve, only: curve_set_t
    use kj_model, only: model_t
-   use kj_c_batch, only: c_batch_t, matrix_of, CHART_VECTOR, N_B
+   use kj_c_batch, only: c_batch_t, matrix_of, CHART_VECTOR, CHART_LINE, N_B
    use kj_c_limit, only: limit_stiffness
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_hold, only: body_matrix
    implicit none
    private
 
-   public :: bound_t, new_bound, renew_bound, nodal_bound, exact_bound, has_moved, compliances
+   public :: bound_t, new_bound, renew_bound, has_moved, compliances, largest_stiffness, &
+      rows_of_end
 
    !> The safe bound and what it rests on
    type :: bound_t
       real(wp) :: h = huge(1.0_wp)               !! the bound, unscaled
       integer :: joint = 0                       !! who holds it: index among all joints, 0 = none
-      real(wp), allocatable :: share(:, :)       !! (2, n_joint) of the mass of each end's lead
-      real(wp), allocatable :: k(:, :)           !! (6, n_joint) largest stiffness of each dof
-      !> (6, n_joint) largest damping of each dof, 0 where implicit
+      real(wp), allocatable :: share(:, :)       !! (2, n_element) of the mass of each end's lead
+      real(wp), allocatable :: k(:, :)           !! (6, n_element) largest stiffness of each dof
+      !> (6, n_element) largest damping of each dof, 0 where implicit
       real(wp), allocatable :: c(:, :)
-      real(wp), allocatable :: limit(:)          !! (n_joint) step that each joint allows
-      real(wp), allocatable :: q(:, :)           !! (6, n_joint) coordinates at the last evaluation
+      real(wp), allocatable :: limit(:)          !! (n_element) step that each joint allows
+      real(wp), allocatable :: q(:, :)           !! (6, n_element) coordinates then
+      !> (27, n_element) of springs: directions and couples, then
+      real(wp), allocatable :: rows(:, :)
    end type bound_t
 
    integer, parameter :: SWEEPS = 4
@@ -53,16 +53,19 @@ contains
       type(c_state_t), intent(in) :: state
       type(bound_t), intent(out) :: bound
 
-      real(wp) :: s(6, 6, 2), total(model%n_lead), lambda(model%n_joint)
+      real(wp) :: s(6, 6, 2), total(model%n_lead), lambda(model%n_element)
       integer :: b, i, j, e, sweep
 
-      allocate (bound%share(2, model%n_joint), bound%k(6, model%n_joint), &
-         bound%limit(model%n_joint))
-      allocate (bound%q(6, model%n_joint), bound%c(6, model%n_joint), source=0.0_wp)
+      allocate (bound%share(2, model%n_element), bound%k(6, model%n_element), &
+         bound%limit(model%n_element))
+      allocate (bound%q(6, model%n_element), bound%c(6, model%n_element), source=0.0_wp)
+      if (any(c%batch%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
       do b = 1, size(c%batch)
          do i = 1, c%batch(b)%n
             j = c%batch(b)%first + i
             bound%k(:, j) = largest_stiffness(model%curves, c%batch(b), i)
+            if (c%batch(b)%chart == CHART_LINE) &
+               bound%k(2:3, j) = tension(c%batch(b), state, b, i, bound%k(1, j))
             if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, c%batch(b)%law, &
                c%batch(b)%c(i, :), c%batch(b)%c_curve(i, :))
             call compliances(c, state, b, i, s)
@@ -89,11 +92,34 @@ contains
       type(bound_t), intent(inout) :: bound
 
       real(wp) :: lambda(size(bound%limit))
+      integer :: b, i
 
+      do b = 1, size(c%batch)
+         if (c%batch(b)%chart /= CHART_LINE) cycle
+         do i = 1, c%batch(b)%n
+            associate (k => bound%k(:, c%batch(b)%first + i))
+               k(2:3) = tension(c%batch(b), state, b, i, k(1))
+            end associate
+         end do
+      end do
       call eigenvalues(c, state, bound, lambda)
       call take(bound, lambda)
       call keep_pose(c, state, bound)
    end subroutine renew_bound
+
+   !> Transverse stiffness F/L of a stretched spring along its line; k where it has no length
+   pure real(wp) function tension(batch, state, b, i, k) result(stiffness)
+      type(c_batch_t), intent(in) :: batch
+      type(c_state_t), intent(in) :: state
+      integer, intent(in) :: b, i
+      real(wp), intent(in) :: k
+
+      real(wp) :: length
+
+      length = state%joint(b)%q(i, 1) + batch%xl0(i, 1)
+      stiffness = k
+      if (length > 0.0_wp) stiffness = max(0.0_wp, state%joint(b)%fe(i, 1)/length)
+   end function tension
 
    !> Some joint has turned or slid so far since the last evaluation that the bound may be wrong
    pure logical function has_moved(c, state, bound) result(moved)
@@ -102,7 +128,7 @@ contains
       type(bound_t), intent(in) :: bound
 
       integer :: b, i, j
-      real(wp) :: arm
+      real(wp) :: arm, rows(27)
 
       moved = .true.
       do b = 1, size(c%batch)
@@ -113,21 +139,39 @@ contains
                norm2(c%batch(b)%xl0(i, :) + bound%q(1:3, j))
             if (maxval(abs(state%joint(b)%q(i, 1:3) - bound%q(1:3, j))) > TURN*max(arm, &
                tiny(1.0_wp))) return
+            if (.not. c%batch(b)%spring) cycle
+            rows = abs(rows_of(state, b, i) - bound%rows(:, j))
+            if (maxval(rows(:9)) > TURN .or. maxval(rows(10:)) > TURN*arm) return
          end do
       end do
       moved = .false.
    end function has_moved
+
+   !> Directions and couples of a spring: its axes do not turn with the coordinates alone
+   pure function rows_of(state, b, i) result(rows)
+      type(c_state_t), intent(in) :: state
+      integer, intent(in) :: b, i
+      real(wp) :: rows(27)
+
+      rows(1:9) = state%joint(b)%dir(i, :)
+      rows(10:18) = state%joint(b)%m1(i, :)
+      rows(19:27) = state%joint(b)%m2(i, :)
+   end function rows_of
 
    subroutine keep_pose(c, state, bound)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(in) :: state
       type(bound_t), intent(inout) :: bound
 
-      integer :: b
+      integer :: b, i
 
       do b = 1, size(c%batch)
          associate (first => c%batch(b)%first)
             bound%q(:, first + 1:first + c%batch(b)%n) = transpose(state%joint(b)%q)
+            if (.not. c%batch(b)%spring) cycle
+            do i = 1, c%batch(b)%n
+               bound%rows(:, first + i) = rows_of(state, b, i)
+            end do
          end associate
       end do
    end subroutine keep_pose
@@ -306,90 +350,5 @@ contains
       a = s*spread(root, 2, 6)*spread(root, 1, 6)
       call largest_eigenvalue(6, a, lambda)
    end function eigenvalue
-
-   !> The nodal rule: min over leads of sqrt(2 m/k_n), sqrt(2 I/k_r), as legacy_scheme.md 2 and 4.6
-   subroutine nodal_bound(model, c, state, h)
-      type(model_t), intent(in) :: model
-      type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(in) :: state
-      real(wp), intent(out) :: h
-
-      type(joint_state_t) :: legacy
-      real(wp) :: kn(model%n_lead), kr(model%n_lead), k(6), st, sr
-      integer :: b, i, e, lead
-
-      kn = 0.0_wp
-      kr = 0.0_wp
-      do b = 1, size(model%batch)
-         call new_joint_state(model%batch(b), legacy)
-         call start_stiffness(model%batch(b), legacy)
-         do i = 1, model%batch(b)%n
-            if (c%batch(b)%limited) then
-               k = largest_stiffness(model%curves, c%batch(b), i)
-               call step_stiffness(2, [maxval(k(1:3)), maxval(k(4:6))], &
-                  model%batch(b)%c_top(i, :), [model%batch(b)%cr(i), model%batch(b)%cr(i)], &
-                  model%batch(b)%reduced(i, :), legacy%stiff(i, :))
-            end if
-            st = legacy%stiff(i, 1)
-            sr = legacy%stiff(i, 2) + st*sum((c%batch(b)%xl0(i, :) + state%joint(b)%q(i, 1:3))**2)
-            do e = 1, 2
-               lead = c%batch(b)%lead(i, e)
-               kn(lead) = kn(lead) + 2.0_wp*st
-               kr(lead) = kr(lead) + sr + 2.0_wp*st*sum(c%batch(b)%arm(i, 3*e - 2:3*e)**2)
-            end do
-         end do
-      end do
-      h = huge(1.0_wp)
-      do i = 1, model%n_lead
-         if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = min(h, &
-            sqrt(2.0_wp*model%mass(i)/kn(i)))
-         if (model%inertia(i) > 0.0_wp .and. kr(i) > 0.0_wp) h = min(h, &
-            sqrt(2.0_wp*model%inertia(i)/kr(i)))
-      end do
-   end subroutine nodal_bound
-
-   !> The exact limit 2/omega of the assembled scene; 0 when it has more than `most` dofs
-   subroutine exact_bound(model, c, state, bound, most, h)
-      type(model_t), intent(in) :: model
-      type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(in) :: state
-      type(bound_t), intent(in) :: bound
-      integer, intent(in) :: most
-      real(wp), intent(out) :: h
-
-      real(wp), allocatable :: a(:, :)
-      real(wp) :: rows(6, 12), p(3, 3), lambda
-      integer :: b, i, j, e, k, at(2)
-
-      h = 0.0_wp
-      if (6*model%n_lead > most) return
-      allocate (a(6*model%n_lead, 6*model%n_lead), source=0.0_wp)
-      do b = 1, size(c%batch)
-         do i = 1, c%batch(b)%n
-            j = c%batch(b)%first + i
-            do e = 1, 2
-               at(e) = c%batch(b)%lead(i, e)
-               rows(:, 6*e - 5:6*e) = rows_of_end(c%batch(b), state, b, i, e)
-               p = body_matrix(state, at(e))
-               rows(:, 6*e - 5:6*e - 3) = rows(:, 6*e - 5:6*e - 3)*sqrt(c%im(at(e)))
-               rows(:, 6*e - 2:6*e) = matmul(rows(:, 6*e - 2:6*e), p)* &
-                  spread(sqrt(c%ii(at(e), :)), 1, 6)
-            end do
-            do k = 1, 6
-               rows(k, :) = rows(k, :)*sqrt(bound%k(k, j))
-            end do
-            do e = 1, 2
-               do k = 1, 2
-                  associate (block => a(6*at(e) - 5:6*at(e), 6*at(k) - 5:6*at(k)))
-                     block = block + matmul(transpose(rows(:, 6*e - 5:6*e)), rows(:, 6*k - 5:6*k))
-                  end associate
-               end do
-            end do
-         end do
-      end do
-      call largest_eigenvalue(size(a, 1), a, lambda)
-      h = huge(1.0_wp)
-      if (lambda > 0.0_wp) h = 2.0_wp/sqrt(lambda)
-   end subroutine exact_bound
 
 end module kj_c_bound

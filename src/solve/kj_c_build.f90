@@ -3,7 +3,7 @@ module kj_c_build
    use kj_kinds, only: wp
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
-   use kj_joint_batch, only: joint_batch_t, LAW_DAMPER, LAW_DAMPER_CURVE
+   use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE
    use kj_model, only: model_t, load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, new_c_limits, &
@@ -232,7 +232,10 @@ contains
       batch%first = old%first
       batch%row = old%row
       batch%chart = chart_of(old)
-      batch%mean = old%frame /= FRAME_FIRST
+      batch%spring = is_spring(old)
+      batch%frame = old%frame
+      if (batch%spring) batch%axes = old%frame0
+      batch%mean = old%frame /= FRAME_FIRST .and. .not. batch%spring
       batch%law = old%law
       batch%damped = any(iand(old%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0)
       batch%lead = old%lead
@@ -316,7 +319,7 @@ contains
          call new_c_joint(c%batch(b)%n, state%joint(b))
          if (c%batch(b)%limited) call new_c_limits(c%batch(b)%n, state%joint(b))
       end do
-      allocate (state%wrench(N_C_WRENCH, model%n_joint), state%motion_at(size(model%motion)), &
+      allocate (state%wrench(N_C_WRENCH, model%n_element), state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
          state%field(3, size(model%gravity)), source=0.0_wp)
       allocate (state%load_place, source=state%load_force)

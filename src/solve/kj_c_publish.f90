@@ -54,7 +54,7 @@ contains
       state%owner_kind = OWNER_NONE
       state%owner = 0
       if (march%joint == 0) return
-      do j = 1, model%n_joint
+      do j = 1, model%n_element
          if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= march%joint) cycle
          state%owner_kind = OWNER_JOINT
          state%owner = j

@@ -61,7 +61,7 @@ module kj_c_state
       real(wp), allocatable :: node(:, :)        !! (n_node, 3) positions of leads and placed nodes
       real(wp), allocatable :: skew(:, :)        !! (0:n_skew, 9)
       type(c_joint_t), allocatable :: joint(:)
-      real(wp), allocatable :: wrench(:, :)      !! (N_C_WRENCH, n_joint)
+      real(wp), allocatable :: wrench(:, :)      !! (N_C_WRENCH, n_element)
       !> (n_motion) value reached: velocity of an imposed acceleration
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads

@@ -29,7 +29,7 @@ module kj_state
       logical :: staggered = .true.                       !! v, w half a step before x (legacy)
       !> energy error of the consistent formulation
       real(wp) :: ledger_error = 0.0_wp
-      real(wp), allocatable :: ortho(:)                   !! (n_joint) loss of orthogonality [rad]
+      real(wp), allocatable :: ortho(:)                 !! (n_element) loss of orthogonality [rad]
       real(wp) :: ortho_worst = 0.0_wp                    !! the largest of all samples [rad]
       integer :: ortho_joint = 0                          !! index of its joint
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
@@ -55,9 +55,9 @@ module kj_state
       !> (n_bcs, 3) w before the conditions acted
       real(wp), allocatable :: w_before(:, :)
       integer, allocatable :: bcs_of(:)                    !! (n_lead) its conditions, 0 = none
-      ! joints
+      ! joints and springs
       type(joint_state_t), allocatable :: joint(:)         !! one a batch
-      real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_joint)
+      real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_element)
       ! work of loads
       !> of each imposed motion in the last cycle
       real(wp), allocatable :: motion_power(:)
@@ -79,7 +79,7 @@ contains
 
       used = .false.
       used(model%th_node) = .true.
-      do i = 1, model%n_joint
+      do i = 1, model%n_element
          used(model%joint(i)%node) = .true.
       end do
       do i = 1, size(model%skews%needed)
@@ -134,7 +134,7 @@ contains
          call new_joint_state(model%batch(i), state%joint(i))
          call start_stiffness(model%batch(i), state%joint(i))
       end do
-      allocate (state%wrench(N_WRENCH, model%n_joint), source=0.0_wp)
+      allocate (state%wrench(N_WRENCH, model%n_element), source=0.0_wp)
       allocate (state%motion_power(size(model%motion)), source=0.0_wp)
       allocate (state%motion_turn(size(model%motion), 3), source=0.0_wp)
    end subroutine new_state
