@@ -4,7 +4,8 @@ submodule (kjoint) kjoint_check
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_curve, only: curve_set_t, law_value
    use kj_c_blocking, only: start_scene
-   use kj_c_bound, only: bound_t, new_bound, nodal_bound, exact_bound
+   use kj_c_bound, only: bound_t, new_bound, exact_bound
+   use kj_c_nodal, only: nodal_bound
    implicit none
 
    integer, parameter :: MOST_DOFS = 600         !! of the eigenvalue problem of the whole scene

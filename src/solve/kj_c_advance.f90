@@ -9,7 +9,8 @@ module kj_c_advance
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
    use kj_c_hold, only: held_force
-   use kj_c_bound, only: bound_t, new_bound, renew_bound, nodal_bound, has_moved
+   use kj_c_bound, only: bound_t, new_bound, renew_bound, has_moved
+   use kj_c_nodal, only: nodal_bound
    use kj_c_contact, only: contact_t, watch_stops
    use kj_c_step, only: c_step, field_at
    use kj_c_rkmk, only: rkmk_step

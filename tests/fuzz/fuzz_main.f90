@@ -17,7 +17,8 @@ program fuzz_main
    use kj_step, only: find_accelerations, advance
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_build, only: build_c_model, new_c_state
-   use kj_c_bound, only: bound_t, new_bound, nodal_bound
+   use kj_c_bound, only: bound_t, new_bound
+   use kj_c_nodal, only: nodal_bound
    use fuzz_text, only: random_t, seed_random, below, mutate, load_text, save_text
    implicit none
 
