@@ -2,9 +2,10 @@
 !>
 !> Two levels. Element level: the host owns nodes, masses and time, a joint_set_t gives it the
 !> forces of joints (new_joint_set, add_joint, start_joints or take_joints; then joint_forces once a
-!> cycle). Model level: a simulation_t is loaded from a deck and run (load_simulation, run_simulation), or
-!> stepped by the host (start_simulation, advance_simulation). There is no module state: sets and
-!> simulations live side by side, in threads, too. docs/embedding.md is the guide.
+!> cycle). Model level: a simulation_t is loaded from a deck and run (load_simulation,
+!> run_simulation), or stepped by the host (start_simulation, advance_simulation). There is no
+!> module state: sets and simulations live side by side, in threads, too. docs/embedding.md is the
+!> guide.
 !>
 !> Units are those that the host or the deck chose; angles are in radian; W is the global frame.
 module kjoint
