@@ -40,5 +40,5 @@ function(kjoint_library target)
   set_target_properties(${target} PROPERTIES
     Fortran_MODULE_DIRECTORY ${mods} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC
-    $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/kjoint>)
+    $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${install_mods}>)
 endfunction()

@@ -39,12 +39,11 @@ contains
    !> State of all joints. Errors: ERR_INPUT when the array has not joint_state_size(set) numbers
    subroutine save_joints(set, state, error)
       type(joint_set_t), intent(in) :: set
-      real(wp), intent(out) :: state(:)
+      real(wp), intent(inout) :: state(:)
       type(error_t), allocatable, intent(out) :: error
 
       type(tape_t) :: tape
 
-      state = 0.0_wp
       call check_size(set, size(state), error)
       if (allocated(error)) return
       allocate (tape%a(size(state)))
