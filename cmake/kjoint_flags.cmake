@@ -8,10 +8,11 @@ endif()
 # result is assigned to it, so that warning is off. When sanitized it computes with the bounds of an
 # array that is not allocated yet, which may overflow: that check is off, too.
 # Each `a*b + c` is rounded twice (-ffp-contract=off): same deck, same bits, with any -march.
+# -frecursive keeps local arrays off static memory: simulations run side by side in threads.
 function(kjoint_fortran target)
   if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:Fortran>:
-      -std=f2008 -ffp-contract=off
+      -std=f2008 -ffp-contract=off -frecursive
       -Wall -Wextra -pedantic -Wimplicit-interface -Wconversion
       -Wno-uninitialized -Wno-maybe-uninitialized
       $<$<BOOL:${KJOINT_WERROR}>:-Werror>>)
@@ -39,5 +40,5 @@ function(kjoint_library target)
   set_target_properties(${target} PROPERTIES
     Fortran_MODULE_DIRECTORY ${mods} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC
-    $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/kjoint>)
+    $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${install_mods}>)
 endfunction()

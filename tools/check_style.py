@@ -71,7 +71,7 @@ class File:
         stem = self.path.stem
         if len(self.lines) > MAX_FILE:
             self.say(1, f"{len(self.lines)} lines, more than {MAX_FILE}")
-        named = rf"^\s*(module\s+{stem}|submodule\s*\(\s*\w+\s*\)\s*{stem}|program\s+{stem})\s*$"
+        named = rf"^\s*(module\s+{stem}|submodule\s*\(\s*\w+(?:\s*:\s*\w+)?\s*\)\s*{stem}|program\s+{stem})\s*$"
         if not re.search(named, text, re.M | I):
             self.say(1, "module and file differ in name")
         if not re.search(r"^\s*implicit\s+none\b", text, re.M | I):

@@ -1,4 +1,13 @@
 !> The public module of kjoint: everything an embedder uses.
+!>
+!> Two levels. Element level: the host owns nodes, masses and time, a joint_set_t gives it the
+!> forces of joints (new_joint_set, add_joint, start_joints or take_joints; then joint_forces once a
+!> cycle). Model level: a simulation_t is loaded from a deck and run (load_simulation,
+!> run_simulation), or stepped by the host (start_simulation, advance_simulation). There is no
+!> module state: sets and simulations live side by side, in threads, too. docs/embedding.md is the
+!> guide.
+!>
+!> Units are those that the host or the deck chose; angles are in radian; W is the global frame.
 module kjoint
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, &
@@ -13,7 +22,13 @@ module kjoint
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
+   use kj_sink_memory, only: sink_memory_t
    use kj_check, only: check_t, limit_row_t
+   use kj_element, only: joint_set_t, joint_spec_t, joint_result_t
+   use kj_element_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
+   use kj_element_force, only: joint_forces, joint_stiffness, critical_step, joint_count, &
+      joint_result, joint_energy, joint_warnings
+   use kj_element_state, only: joint_state_size, save_joints, restore_joints
    implicit none
    private
 
@@ -23,6 +38,16 @@ module kjoint
    public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
       default_output
    public :: check_t, limit_row_t, check_simulation
+   ! model level, stepped by the host
+   public :: start_simulation, advance_simulation, step_simulation, simulation_status
+   public :: simulation_history, sample_simulation, channel_values, sink_memory_t
+   public :: body_state_t, simulation_bodies, simulation_joints, body_state, node_position, &
+      joint_state
+   public :: set_body_load, set_load_factor, set_body_velocity, set_body_pose, lock_joint
+   ! element level
+   public :: joint_set_t, joint_spec_t, joint_result_t, new_joint_set, add_joint_curve, add_joint, &
+      start_joints, take_joints, joint_forces, joint_stiffness, critical_step, joint_count, &
+      joint_result, joint_energy, joint_warnings, joint_state_size, save_joints, restore_joints
 
    !> What a run may be told; '' and 0 stand for the defaults
    type :: run_options_t
@@ -71,7 +96,22 @@ module kjoint
       type(history_t) :: history
       type(sampler_t) :: sampler
       character(len=:), allocatable :: root     !! name of the deck without _0000.rad
+      logical :: loaded = .false.               !! can be run
+      logical :: started = .false.              !! is stepped by the host
+      real(wp), allocatable :: load_scale(:)    !! of the concentrated loads, as the deck has it
    end type simulation_t
+
+   !> One rigid body now. Under legacy velocities are half a step older than the rest
+   type :: body_state_t
+      integer :: id = 0                         !! user id
+      real(wp) :: mass = 0.0_wp
+      real(wp) :: position(3) = 0.0_wp          !! centre of gravity (main node), W
+      real(wp) :: attitude(4) = 0.0_wp          !! turn since the start, quaternion w x y z, W
+      real(wp) :: velocity(3) = 0.0_wp          !! W
+      real(wp) :: omega(3) = 0.0_wp             !! angular velocity, W [rad/time]
+      real(wp) :: force(3) = 0.0_wp             !! of joints and loads, gravity apart, W
+      real(wp) :: moment(3) = 0.0_wp            !! about the centre of gravity, W
+   end type body_state_t
 
    !> Someone who watches a run
    type, abstract :: monitor_t
@@ -114,6 +154,177 @@ module kjoint
          type(run_status_t), intent(out) :: status
          type(error_t), allocatable, intent(out) :: error
       end subroutine run_simulation
+
+      !> State at t = 0 with its forces, for a host that steps the scene by itself.
+      !>
+      !> Errors: ERR_INPUT when no deck is loaded; ERR_RUN as run_simulation.
+      module subroutine start_simulation(sim, error)
+         type(simulation_t), intent(inout) :: sim
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine start_simulation
+
+      !> March to a time. Consistent ends there exactly, in equal steps below the limit; legacy with
+      !> the first cycle at or beyond it. Nothing is sampled, and the end time of the deck does not
+      !> count.
+      !>
+      !> Errors: ERR_INPUT when the scene is not started or `until` is not finite; ERR_RUN as
+      !> run_simulation.
+      module subroutine advance_simulation(sim, until, error)
+         type(simulation_t), intent(inout) :: sim
+         real(wp), intent(in) :: until
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine advance_simulation
+
+      !> March one step, as long as the limit allows. Errors: as advance_simulation
+      module subroutine step_simulation(sim, error)
+         type(simulation_t), intent(inout) :: sim
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine step_simulation
+
+      !> Where a stepped scene stands. Energies are those of the last sample_simulation.
+      module function simulation_status(sim) result(status)
+         type(simulation_t), intent(in) :: sim
+         type(run_status_t) :: status
+      end function simulation_status
+
+      !> What a row of samples holds, to open a sink with
+      module function simulation_history(sim) result(history)
+         type(simulation_t), intent(in) :: sim
+         type(history_t) :: history
+      end function simulation_history
+
+      !> All channels now, as simulation_history has them, for a sink or for channel_values.
+      !>
+      !> Errors: ERR_INPUT when the scene is not started or the row has not history%n_value numbers.
+      module subroutine sample_simulation(sim, row, error)
+         type(simulation_t), intent(inout) :: sim
+         real(wp), intent(out) :: row(:)        !! (history%n_value)
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine sample_simulation
+
+      !> One channel out of a row, by its name in the history: 'kinetic_energy_rot', 'joint/force'.
+      !>
+      !> Errors: ERR_INPUT when there is no such channel or the row has another size.
+      module subroutine channel_values(history, row, name, values, error)
+         type(history_t), intent(in) :: history
+         real(wp), intent(in) :: row(:)
+         character(len=*), intent(in) :: name
+         !> (component, joint or body or node), in the order of the history
+         real(wp), allocatable, intent(out) :: values(:, :)
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine channel_values
+
+      !> User ids of all rigid bodies of a loaded scene
+      module function simulation_bodies(sim) result(ids)
+         type(simulation_t), intent(in) :: sim
+         integer, allocatable :: ids(:)
+      end function simulation_bodies
+
+      !> User ids of all joints of a loaded scene
+      module function simulation_joints(sim) result(ids)
+         type(simulation_t), intent(in) :: sim
+         integer, allocatable :: ids(:)
+      end function simulation_joints
+
+      !> A rigid body of a started scene. Errors: ERR_INPUT when there is none with this id.
+      module subroutine body_state(sim, id, body, error)
+         type(simulation_t), intent(in) :: sim
+         integer, intent(in) :: id              !! user id of the /RBODY
+         type(body_state_t), intent(out) :: body
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine body_state
+
+      !> Place of a node of a started scene, W. Under legacy only nodes that joints, loads or the
+      !> history read move.
+      !>
+      !> Errors: ERR_INPUT when there is no node with this id.
+      module subroutine node_position(sim, id, x, error)
+         type(simulation_t), intent(in) :: sim
+         integer, intent(in) :: id              !! user id
+         real(wp), intent(out) :: x(3)
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine node_position
+
+      !> A joint of a started scene. Errors: ERR_INPUT when there is none with this id.
+      module subroutine joint_state(sim, id, result, error)
+         type(simulation_t), intent(in) :: sim
+         integer, intent(in) :: id              !! user id of the /SPRING element
+         type(joint_result_t), intent(out) :: result
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine joint_state
+
+      !> Force and moment of the host on a body, beside the loads of the deck, from now on until
+      !> they are set anew. Their work counts as external.
+      !>
+      !> Errors: ERR_INPUT when there is no such body or a value is not finite.
+      module subroutine set_body_load(sim, id, force, moment, error)
+         type(simulation_t), intent(inout) :: sim
+         integer, intent(in) :: id              !! user id of the /RBODY
+         real(wp), intent(in) :: force(3)       !! at the centre of gravity, W
+         real(wp), intent(in) :: moment(3)      !! about it, W
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine set_body_load
+
+      !> Factor on the concentrated load /CLOAD/id, from the next step on.
+      !>
+      !> Errors: ERR_INPUT when there is no such load or the factor is not finite.
+      module subroutine set_load_factor(sim, id, factor, error)
+         type(simulation_t), intent(inout) :: sim
+         integer, intent(in) :: id
+         real(wp), intent(in) :: factor
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine set_load_factor
+
+      !> Give a body other velocities; conditions and imposed motion still hold. The change of
+      !> energy counts as external work under consistent.
+      !>
+      !> Errors: ERR_INPUT when there is no such body or a value is not finite.
+      module subroutine set_body_velocity(sim, id, velocity, omega, error)
+         type(simulation_t), intent(inout) :: sim
+         integer, intent(in) :: id
+         real(wp), intent(in) :: velocity(3), omega(3)   !! of the centre of gravity, W
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine set_body_velocity
+
+      !> Put a body elsewhere; only under consistent, where forces are functions of the poses. The
+      !> change of energy counts as external work.
+      !>
+      !> Errors: ERR_INPUT under legacy, when there is no such body, a value is not finite, or the
+      !> quaternion is zero.
+      module subroutine set_body_pose(sim, id, position, attitude, error)
+         type(simulation_t), intent(inout) :: sim
+         integer, intent(in) :: id
+         real(wp), intent(in) :: position(3)    !! of the centre of gravity, W
+         real(wp), intent(in) :: attitude(4)    !! turn since the start, quaternion w x y z, W
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine set_body_pose
+
+      !> Lock the free directions of a /PROP/KJOINT2 as they are now, or free them: what its sensor
+      !> would do.
+      !>
+      !> Errors: ERR_INPUT when there is no such joint, or it has neither stops, friction nor a
+      !> sensor: then it cannot lock.
+      module subroutine lock_joint(sim, id, locked, error)
+         type(simulation_t), intent(inout) :: sim
+         integer, intent(in) :: id              !! user id of the /SPRING element
+         logical, intent(in) :: locked
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine lock_joint
+
+      !> Joints of a loaded deck as elements of a host, at the start of the deck, with its masses.
+      !> The set is new and without joints; node_id maps the nodes of the host to the deck.
+      !>
+      !> Errors: ERR_INPUT when nothing is loaded, the set holds joints or has another formulation,
+      !> or the host lacks a node: carriers are the main nodes of bodies; legacy reads the nodes of
+      !> joints and of their skews, too.
+      module subroutine take_joints(set, sim, node_id, error, attitude)
+         type(joint_set_t), intent(inout) :: set
+         type(simulation_t), intent(in) :: sim
+         integer, intent(in) :: node_id(:)      !! (n) user id in the deck of each host node
+         type(error_t), allocatable, intent(out) :: error
+         !> quaternions at the start, (4, n), as start_joints; consistent needs them
+         real(wp), intent(in), optional :: attitude(:, :)
+      end subroutine take_joints
 
       !> Joints, bodies and time-step limits of a loaded scene, as they are at its start
       module subroutine check_simulation(sim, report)

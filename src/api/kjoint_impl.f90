@@ -51,6 +51,8 @@ contains
       if (options%integrator == 'rkmk4') call refuse_path(sim%model, error)
       if (allocated(error)) return
       call describe(sim)
+      sim%load_scale = sim%model%cload%y_scale
+      sim%loaded = .true.
    end procedure load_simulation
 
    !> Friction and locks hold a state that only whole steps may change: rkmk4 evaluates between them

@@ -25,6 +25,11 @@ contains
       real(wp) :: clock
       logical :: stop, ignored
 
+      if (.not. sim%loaded) then
+         call fail(error, ERR_INPUT, 'no deck is loaded')
+         return
+      end if
+      sim%started = .false.
       call new_state(sim%model, sim%state)
       call sink%open(sim%history, error)
       if (allocated(error)) return

@@ -112,6 +112,10 @@ module kj_message_own
       'Remove one.'), &
    message_t('KJ-9041', SEV_WARNING, 'limits of /STOP and /KILL do not act', &
       'kjoint has a limit of the energy error of its own.', &
-      'Use --energy-limit.')]
+      'Use --energy-limit.'), &
+   message_t('KJ-9301', SEV_WARNING, 'a joint loses its right angles', &
+      'The axes of a joint come from nodes or bodies that are meant to be rigid. They strain '// &
+      'or turn against each other, and the directions of the joint lose their right angles.', &
+      'Stiffen what carries the joint, or let its axes follow one node with rotations.')]
 
 end module kj_message_own

@@ -1,13 +1,15 @@
 !> Arrays of all joints of one batch under the consistent formulation: constants and state.
 module kj_c_batch
    use kj_kinds, only: wp
+   use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS, FRAME_LINE
    use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE
    use kj_joint_frame, only: BLOCK
    implicit none
    private
 
-   public :: c_batch_t, c_joint_t, new_c_joint, new_c_limits, chart_of, matrix_of
+   public :: c_batch_t, c_joint_t, new_c_joint, new_c_limits, chart_of, matrix_of, &
+      frame_of
 
    integer, parameter, public :: N_B = 36             !! numbers of the matrix B of a joint
 
@@ -105,6 +107,23 @@ contains
 
       b = joint%b(modulo(i - 1, BLOCK) + 1, :, (i - 1)/BLOCK + 1)
    end function matrix_of
+
+   !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a
+   !> universal joint the dual basis of its axes
+   pure function frame_of(batch, joint, j) result(e)
+      type(c_batch_t), intent(in) :: batch
+      type(c_joint_t), intent(in) :: joint
+      integer, intent(in) :: j
+      real(wp) :: e(9)
+
+      real(wp) :: b(N_B)
+
+      b = matrix_of(joint, j)
+      e = b(1:9)
+      if (batch%chart /= CHART_UNIVERSAL) return
+      e(4:6) = unit(cross(b(7:9), b(1:3)))
+      e(7:9) = unit(cross(b(1:3), b(4:6)))
+   end function frame_of
 
    !> State of the limits of n joints, all at rest
    pure subroutine new_c_limits(n, joint)

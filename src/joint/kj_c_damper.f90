@@ -205,11 +205,10 @@ contains
    !> too small for one LAPACK call a joint.
    pure subroutine solve(n, g, c, s, f)
       integer, intent(in) :: n
-      real(wp), intent(in) :: g, c(BLOCK, 6)
-      real(wp), intent(inout) :: s(BLOCK, 21)        !! factors on return
+      real(wp), intent(in) :: g, c(BLOCK, 6), s(BLOCK, 21)
       real(wp), intent(inout) :: f(BLOCK, 6)
 
-      real(wp) :: d(BLOCK, 6), pivot(BLOCK, 6), part
+      real(wp) :: a(BLOCK, 21), d(BLOCK, 6), pivot(BLOCK, 6), part
       integer :: i, k, l, m, at, row, column
 
       do k = 1, 6
@@ -224,33 +223,33 @@ contains
             at = k*(k - 1)/2 + l
             !$omp simd
             do i = 1, n
-               s(i, at) = g*d(i, k)*s(i, at)*d(i, l)
+               a(i, at) = g*d(i, k)*s(i, at)*d(i, l)
             end do
          end do
-         s(:n, at) = s(:n, at) + 1.0_wp
+         a(:n, at) = a(:n, at) + 1.0_wp
       end do
       do k = 1, 6
          at = k*(k + 1)/2
-         pivot(:n, k) = 1.0_wp/s(:n, at)
+         pivot(:n, k) = 1.0_wp/a(:n, at)
          do l = k + 1, 6
             row = l*(l - 1)/2
             do m = k + 1, l
                column = m*(m - 1)/2 + k
                !$omp simd private(part)
                do i = 1, n
-                  part = s(i, row + k)*pivot(i, k)
-                  s(i, row + m) = s(i, row + m) - part*s(i, column)
+                  part = a(i, row + k)*pivot(i, k)
+                  a(i, row + m) = a(i, row + m) - part*a(i, column)
                end do
             end do
             !$omp simd
             do i = 1, n
-               f(i, l) = f(i, l) - s(i, row + k)*pivot(i, k)*f(i, k)
+               f(i, l) = f(i, l) - a(i, row + k)*pivot(i, k)*f(i, k)
             end do
          end do
       end do
       do k = 6, 1, -1
          do m = k + 1, 6
-            f(:n, k) = f(:n, k) - s(:n, m*(m - 1)/2 + k)*f(:n, m)
+            f(:n, k) = f(:n, k) - a(:n, m*(m - 1)/2 + k)*f(:n, m)
          end do
          f(:n, k) = f(:n, k)*pivot(:n, k)
       end do

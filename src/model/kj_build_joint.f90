@@ -20,7 +20,7 @@ module kj_build_joint
    implicit none
    private
 
-   public :: build_joints
+   public :: build_joints, set_constants
 
 contains
 

@@ -180,6 +180,7 @@ contains
       do i = 1, size(blocks)
          associate (load => model%cload(i))
             call read_cards(deck, blocks(i), cards, findings)
+            load%id = deck%block(blocks(i))%id
             load%dir = max(1, direction_of(deck, cards, 6, 'KJ-0149', findings))
             call read_load(deck, cards, draft, 'KJ-9123', load, findings)
             load%abscissa = max(1, int_of(cards, 'Itypfun'))

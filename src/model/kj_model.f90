@@ -40,6 +40,7 @@ module kj_model
 
    !> One load card: concentrated load or gravity, on many nodes
    type, public :: load_t
+      integer :: id = 0                        !! user id of the card
       integer :: curve = 0                     !! index, 0 = constant 1
       integer :: dir = 1                       !! 1-3 force or acceleration, 4-6 moment
       integer :: skew = 0

@@ -13,7 +13,7 @@ module kj_start_frame
    implicit none
    private
 
-   public :: match_skews, frame_of_skews, frame_of_nodes, angles_of_skews
+   public :: match_skews, mean_frame, frame_of_skews, frame_of_nodes, angles_of_skews
 
    real(wp), parameter :: APART = 1.0e-10_wp   !! nodes nearer than this coincide, length
    integer, parameter :: N_NODE(9) = [2, 3, 3, 3, 4, 3, 3, 2, 4]   !! that each joint type needs
@@ -71,26 +71,40 @@ contains
       type(joint_t), intent(inout) :: joint
       type(finding_list_t), intent(inout) :: findings
 
+      logical :: opposite
+
+      call mean_frame(p%frame, draft%skews%axes(joint%skew(1), :), &
+         draft%skews%axes(joint%skew(2), :), joint%frame, opposite)
+      if (opposite) call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-9121', &
+         'the skews of the joint are 180 degrees apart: they have no mean frame', &
+         'joint with these skews', findings)
+   end subroutine frame_of_skews
+
+   !> Frame of a joint from the axes of its two skews, by a frame rule
+   pure subroutine mean_frame(rule, axes1, axes2, frame, opposite)
+      integer, intent(in) :: rule                 !! FRAME_ constant
+      real(wp), intent(in) :: axes1(9), axes2(9)  !! columns, W
+      real(wp), intent(out) :: frame(3, 3)        !! columns, W
+      logical, intent(out) :: opposite            !! 180 degrees apart: there is no mean
+
       real(wp) :: u(3, 3), v(3, 3), half(3)
 
-      u = reshape(draft%skews%axes(joint%skew(1), :), [3, 3])
-      v = reshape(draft%skews%axes(joint%skew(2), :), [3, 3])
-      select case (p%frame)
+      u = reshape(axes1, [3, 3])
+      v = reshape(axes2, [3, 3])
+      opposite = .false.
+      select case (rule)
       case (FRAME_FIRST)
-         joint%frame = u
+         frame = u
       case (FRAME_MEAN)
          half = 0.5_wp*rotation_vector(matmul(transpose(u), v))
-         joint%frame = matmul(u, rotation(half))
-         if (norm2(half) > 2.0_wp*atan(1.0_wp) - 1.0e-6_wp) call report_row(deck, block, rows, i, &
-            'id', SEV_ERROR, 'KJ-9121', &
-            'the skews of the joint are 180 degrees apart: they have no mean frame', &
-            'joint with these skews', findings)
+         frame = matmul(u, rotation(half))
+         opposite = norm2(half) > 2.0_wp*atan(1.0_wp) - 1.0e-6_wp
       case default   ! FRAME_CROSS
-         joint%frame(:, 1) = unit(cross(u(:, 1), v(:, 1)))
-         joint%frame(:, 2) = u(:, 1)
-         joint%frame(:, 3) = v(:, 1)
+         frame(:, 1) = unit(cross(u(:, 1), v(:, 1)))
+         frame(:, 2) = u(:, 1)
+         frame(:, 3) = v(:, 1)
       end select
-   end subroutine frame_of_skews
+   end subroutine mean_frame
 
    !> Initial frame of a KJOINT2: from its nodes, else from its first skew.
    !>

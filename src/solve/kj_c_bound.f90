@@ -153,9 +153,10 @@ contains
       integer, intent(in) :: b, i
       real(wp) :: rows(27)
 
-      rows(1:9) = state%joint(b)%dir(i, :)
-      rows(10:18) = state%joint(b)%m1(i, :)
-      rows(19:27) = state%joint(b)%m2(i, :)
+      real(wp) :: m(N_B)
+
+      m = matrix_of(state%joint(b), i)
+      rows = m(:27)
    end function rows_of
 
    subroutine keep_pose(c, state, bound)

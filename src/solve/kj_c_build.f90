@@ -16,7 +16,7 @@ module kj_c_build
    implicit none
    private
 
-   public :: build_c_model, new_c_state
+   public :: build_c_model, new_c_state, settle
 
 contains
 
@@ -293,8 +293,6 @@ contains
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(out) :: state
 
-      real(wp) :: mean(size(model%motion)), final(size(model%motion)), before(6, size(c%hold))
-      logical :: active(size(model%motion))
       integer :: b, i
 
       associate (n => model%n_lead, p => state%poses)
@@ -324,14 +322,28 @@ contains
          state%field(3, size(model%gravity)), source=0.0_wp)
       allocate (state%load_place, source=state%load_force)
       call start_motions(model, state)
+      state%work = 0.0_wp
+      call settle(model, c, state)
+      call start_energies(model, c, state)
+   end subroutine new_c_state
+
+   !> Velocities that obey conditions and imposed motion, and the forces of the present pose
+   subroutine settle(model, c, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(inout) :: state
+
+      real(wp) :: mean(size(model%motion)), final(size(model%motion)), before(6, size(c%hold)), work
+      logical :: active(size(model%motion))
+
       before = 0.0_wp
+      work = state%work
       call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
       active = active .and. model%motion%kind == 1
       call project(model, c, state, final, active, WHOLE, before)
-      state%work = 0.0_wp
+      state%work = work
       call find_forces(model, c, 0.0_wp, final, active, state)
-      call start_energies(model, c, state)
-   end subroutine new_c_state
+   end subroutine settle
 
    !> J w of a lead at the start; 0 where it cannot turn
    pure function start_spin(model, c, lead) result(l)

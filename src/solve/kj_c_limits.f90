@@ -3,7 +3,7 @@
 module kj_c_limits
    use kj_kinds, only: wp
    use kj_lapack, only: largest_eigenvalue
-   use kj_joint_batch, only: joint_state_t, new_joint_state
+   use kj_joint_batch, only: joint_state_t, new_joint_state, LAW_SPRING_CURVE
    use kj_joint_force, only: start_stiffness
    use kj_joint_law, only: step_stiffness
    use kj_model, only: model_t
@@ -13,19 +13,19 @@ module kj_c_limits
    implicit none
    private
 
-   public :: nodal_bound, exact_bound
+   public :: nodal_stiffness, nodal_bound, exact_bound
 
 contains
 
-   !> The nodal rule: min over leads of sqrt(2 m/k_n), sqrt(2 I/k_r), as legacy_scheme.md 2 and 4.6
-   subroutine nodal_bound(model, c, state, h)
+   !> Stiffness that the joints show to the nodal rule at each lead, as legacy_scheme.md 2 and 4.6
+   subroutine nodal_stiffness(model, c, state, kn, kr)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(in) :: state
-      real(wp), intent(out) :: h
+      real(wp), intent(out) :: kn(:), kr(:)      !! (n_lead)
 
       type(joint_state_t) :: legacy
-      real(wp) :: kn(model%n_lead), kr(model%n_lead), k(6), st, sr, times
+      real(wp) :: k(6), st, sr, times
       integer :: b, i, e, lead
 
       kn = 0.0_wp
@@ -35,7 +35,7 @@ contains
          call new_joint_state(model%batch(b), legacy)
          call start_stiffness(model%batch(b), legacy)
          do i = 1, model%batch(b)%n
-            if (c%batch(b)%limited) then
+            if (c%batch(b)%limited .or. any(c%batch(b)%law >= LAW_SPRING_CURVE)) then
                k = largest_stiffness(model%curves, c%batch(b), i)
                call step_stiffness(2, [maxval(k(1:3)), maxval(k(4:6))], &
                   model%batch(b)%c_top(i, :), [model%batch(b)%cr(i), model%batch(b)%cr(i)], &
@@ -50,6 +50,19 @@ contains
             end do
          end do
       end do
+   end subroutine nodal_stiffness
+
+   !> The nodal rule: min over leads of sqrt(2 m/k_n), sqrt(2 I/k_r)
+   subroutine nodal_bound(model, c, state, h)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      real(wp), intent(out) :: h
+
+      real(wp) :: kn(model%n_lead), kr(model%n_lead)
+      integer :: i
+
+      call nodal_stiffness(model, c, state, kn, kr)
       h = huge(1.0_wp)
       do i = 1, model%n_lead
          if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = min(h, &

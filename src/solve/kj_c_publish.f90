@@ -1,12 +1,12 @@
 !> Consistent state -> the arrays that sampling reads, all at time t.
 module kj_c_publish
    use kj_kinds, only: wp
-   use kj_math3, only: cross, unit, rotation, rotation_vector
+   use kj_math3, only: cross, rotation, rotation_vector
    use kj_model, only: model_t
    use kj_skew, only: skew_axes
    use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
    use kj_joint_batch, only: joint_state_t
-   use kj_c_batch, only: c_batch_t, c_joint_t, matrix_of, CHART_UNIVERSAL, N_B
+   use kj_c_batch, only: c_batch_t, c_joint_t, frame_of, CHART_UNIVERSAL
    use kj_c_force, only: joint_rates
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
@@ -180,23 +180,6 @@ contains
       end do
       call add_looseness(model, c, cs, state)
    end subroutine publish_joints
-
-   !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a
-   !> universal joint the dual basis of its axes
-   pure function frame_of(batch, joint, j) result(e)
-      type(c_batch_t), intent(in) :: batch
-      type(c_joint_t), intent(in) :: joint
-      integer, intent(in) :: j
-      real(wp) :: e(9)
-
-      real(wp) :: b(N_B)
-
-      b = matrix_of(joint, j)
-      e = b(1:9)
-      if (batch%chart /= CHART_UNIVERSAL) return
-      e(4:6) = unit(cross(b(7:9), b(1:3)))
-      e(7:9) = unit(cross(b(1:3), b(4:6)))
-   end function frame_of
 
    !> What stops, friction and lock do
    pure subroutine publish_limits(batch, joint, out)

@@ -56,6 +56,11 @@ module kj_c_state
       real(wp), allocatable :: f(:, :), t(:, :)  !! (n_lead, 3) force and moment, all but reactions
       !> (n_lead, 3) of these, gravity and loads on the lead itself
       real(wp), allocatable :: own_f(:, :), own_t(:, :)
+      !> (n_lead, 3) of these, what an embedding host applies now and in the last step; not
+      !> allocated: nothing
+      real(wp), allocatable :: f_host(:, :), t_host(:, :), f_host_old(:, :), t_host_old(:, :)
+      !> (n_lead, 3) what the host of single joints adds by itself: dampers look ahead with it
+      real(wp), allocatable :: f_ahead(:, :), t_ahead(:, :)
       !> (n_body, 3) sums over time
       real(wp), allocatable :: impulse(:, :), angular_impulse(:, :), turn(:, :)
       real(wp), allocatable :: node(:, :)        !! (n_node, 3) positions of leads and placed nodes

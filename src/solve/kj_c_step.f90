@@ -11,6 +11,7 @@ module kj_c_step
    use kj_c_damper, only: add_dampers, count_damping
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_midpoint, only: midpoint_drift
+   use kj_c_host, only: add_host_loads, look_ahead
    use kj_c_body, only: kick, drift, spin_velocity, inverse_inertias
    use kj_c_hold, only: project, project_rates, hold_rotations, motion_targets, FIRST_HALF, &
       SECOND_HALF
@@ -143,6 +144,7 @@ contains
       state%own_t = 0.0_wp
       call add_loads(model, state)
       call add_field(model, c, h, state)
+      call add_host_loads(h, state)
       if (c%damped) call damp(model, c, h, target, active, state)
    end subroutine find_forces
 
@@ -161,6 +163,7 @@ contains
       end do
       call spin_velocity(c, state%poses%quat, state%l + 0.5_wp*h*state%t, 1, model%n_lead, &
          state%poses%w)
+      call look_ahead(c, h, state)
       call inverse_inertias(c, state%poses%quat, 1, model%n_lead, state%poses%ij)
       call project_rates(c, state, target, active)
       do b = 1, size(c%batch)
@@ -343,6 +346,8 @@ contains
             end associate
          end do
       end do
+      if (allocated(state%f_host)) power = power + sum(state%f_host*state%poses%v) + &
+         sum(state%t_host*state%poses%w)
       do i = 1, size(model%gravity)
          if (c%steady(i)) cycle
          do k = 1, size(model%gravity(i)%node)

@@ -43,6 +43,8 @@ module kj_state
       !> (n_lead, 3) from joints and secondaries
       real(wp), allocatable :: f(:, :), m(:, :)
       real(wp), allocatable :: f_own(:, :), m_own(:, :)    !! (n_lead, 3) loads on the lead itself
+      !> (n_lead, 3) of these, what an embedding host applies; not allocated: nothing
+      real(wp), allocatable :: f_host(:, :), m_host(:, :)
       real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
       real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
       !> secondary nodes that joints, skews, loads or the history read, body by body: body b moves

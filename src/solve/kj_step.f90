@@ -18,7 +18,7 @@ module kj_step
    implicit none
    private
 
-   public :: find_accelerations, advance
+   public :: find_accelerations, advance, find_joint_forces
 
 contains
 
@@ -32,10 +32,9 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       state%h1 = state%h2
-      call move_skews(model%skews, state%world%x, state%world%skew)
-      call joint_forces(model, state, sampling)
-      call gather(model, state)
+      call find_joint_forces(model, state, sampling)
       call add_cloads(model, state)
+      call add_host_loads(state)
       call count_impulses(model, state)
       call turn_bodies(state, 1, model%n_body)
       call solve_conditioned(model, state)
@@ -69,6 +68,32 @@ contains
       state%cycle = state%cycle + 1
       state%time = state%time + state%h2
    end subroutine advance
+
+   !> Joints at t(n), from state%world, time, h1 and h12: frames, forces and state of all joints;
+   !> f, m, kn and kr are their sums over the leads, and nothing else
+   subroutine find_joint_forces(model, state, sampling)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      logical, intent(in) :: sampling        !! keep the rates, too
+
+      call move_skews(model%skews, state%world%x, state%world%skew)
+      call joint_forces(model, state, sampling)
+      call gather(model, state)
+   end subroutine find_joint_forces
+
+   !> Forces and moments of an embedding host on the leads, W, and their power
+   subroutine add_host_loads(state)
+      type(state_t), intent(inout) :: state
+
+      integer :: n
+
+      if (.not. allocated(state%f_host)) return
+      n = size(state%f_host, 1)
+      state%f_own = state%f_own + state%f_host
+      state%m_own = state%m_own + state%m_host
+      state%power = state%power + sum(state%f_host*state%v(:n, :)) + &
+         sum(state%m_host*state%world%w)
+   end subroutine add_host_loads
 
    subroutine joint_forces(model, state, sampling)
       type(model_t), intent(in) :: model

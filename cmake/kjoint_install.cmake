@@ -1,0 +1,53 @@
+# What `cmake --install` installs, the CMake and pkg-config packages, and the Debian package
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/kjoint)
+install(TARGETS kjoint EXPORT kjoint-core)
+install(EXPORT kjoint-core NAMESPACE kjoint:: DESTINATION ${package_dir})
+if(KJOINT_IO)
+  install(TARGETS kjoint_io EXPORT kjoint-io)
+  install(EXPORT kjoint-io NAMESPACE kjoint:: DESTINATION ${package_dir})
+  install(TARGETS kjoint_cli)
+endif()
+install(DIRECTORY ${mods}/ DESTINATION ${install_mods} FILES_MATCHING PATTERN "*.mod")
+if(KJOINT_C)
+  install(TARGETS kjoint_c EXPORT kjoint-c)
+  install(EXPORT kjoint-c NAMESPACE kjoint:: DESTINATION ${package_dir})
+  install(FILES include/kjoint.h TYPE INCLUDE)
+  install(DIRECTORY tools/python/kjoint DESTINATION ${CMAKE_INSTALL_LIBDIR}/kjoint/python
+    FILES_MATCHING PATTERN "*.py")
+endif()
+
+configure_package_config_file(cmake/kjoint-config.cmake.in kjoint-config.cmake
+  INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(kjoint-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/kjoint-config.cmake
+  ${PROJECT_BINARY_DIR}/kjoint-config-version.cmake DESTINATION ${package_dir})
+
+# ---- pkg-config: kjoint for Fortran (static), kjoint-c for C
+set(pc_libraries "-llapack -lblas")
+if(KJOINT_OPENMP AND OpenMP_Fortran_FLAGS)
+  string(APPEND pc_libraries " ${OpenMP_Fortran_FLAGS}")
+endif()
+file(RELATIVE_PATH pc_up /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+foreach(name kjoint kjoint-c)
+  if(name STREQUAL "kjoint-c" AND NOT KJOINT_C)
+    continue()
+  endif()
+  configure_file(cmake/${name}.pc.in ${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
+
+# ---- Debian package: cpack -G DEB in the build folder
+set(CPACK_PACKAGE_NAME kjoint)
+set(CPACK_PACKAGE_CONTACT "the kjoint developers <kjoint@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_GENERATOR DEB)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gfortran, liblapack-dev, libhdf5-dev, zlib1g-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy, python3-matplotlib")
+include(CPack)

@@ -1,0 +1,382 @@
+!> From what a host describes to joints that can be evaluated: a small model whose bodies are the
+!> carriers, so that all constants come about as those of a deck do.
+module kj_element_build
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_INPUT
+   use kj_curve, only: add_curve
+   use kj_joint_types, only: joint_types, find_joint_type, NDOF, FRAME_MEAN, FRAME_FIRST, &
+      FRAME_CROSS
+   use kj_joint_draft, only: property_t, joint_t
+   use kj_build_joint, only: set_constants
+   use kj_build_batch, only: fill_batches
+   use kj_start_frame, only: mean_frame
+   use kj_skew, only: skew_axes
+   use kj_element, only: joint_spec_t, joint_set_t, host_vector
+   use kj_element_check, only: check_spec, check_shape, check_nodes
+   use kj_element_start, only: begin_state, columns_of, host_quaternion, check_attitude
+   implicit none
+   private
+
+   public :: new_joint_set, add_joint_curve, add_joint, start_joints
+
+   real(wp), parameter :: HELD = 1.0e30_wp        !! mass and inertia where the host moves a carrier
+
+contains
+
+   !> An empty set for a host with n nodes.
+   !>
+   !> Errors: ERR_INPUT when the formulation is not 'legacy' or 'consistent', or n is negative.
+   subroutine new_joint_set(set, formulation, n, error, by_component)
+      type(joint_set_t), intent(out) :: set
+      !> legacy: frames follow nodes and angular velocities as in Radioss; consistent: they follow
+      !> the attitudes of the carriers
+      character(len=*), intent(in) :: formulation
+      integer, intent(in) :: n                   !! nodes of the host
+      type(error_t), allocatable, intent(out) :: error
+      !> arrays of the host are (n, 3), (n, 4); else (3, n), (4, n)
+      logical, intent(in), optional :: by_component
+
+      if (all(formulation /= ['legacy    ', 'consistent'])) then
+         call fail(error, ERR_INPUT, 'there is no formulation '//trim(formulation)// &
+            ': consistent or legacy')
+      else if (n < 0) then
+         call fail(error, ERR_INPUT, 'the number of nodes is negative')
+      else
+         set%legacy = formulation == 'legacy'
+         set%n_host = n
+         if (present(by_component)) set%by_component = by_component
+         allocate (set%spec(0))
+         set%made = .true.
+      end if
+   end subroutine new_joint_set
+
+   !> Add a function for the laws of joints that follow: at least two points, x ascending; straight
+   !> between them and beyond.
+   !>
+   !> Errors: ERR_INPUT when the points do not fit, or the joints have been started.
+   subroutine add_joint_curve(set, x, y, curve, error)
+      type(joint_set_t), intent(inout) :: set
+      real(wp), intent(in) :: x(:), y(:)
+      integer, intent(out) :: curve              !! its number, for joint_spec_t
+      type(error_t), allocatable, intent(out) :: error
+
+      curve = 0
+      call check_open(set, error)
+      if (allocated(error)) return
+      if (size(x) /= size(y) .or. size(x) < 2) then
+         call fail(error, ERR_INPUT, 'a curve needs as many ordinates as abscissae, two or more')
+      else if (.not. (all(ieee_is_finite(x)) .and. all(ieee_is_finite(y)))) then
+         call fail(error, ERR_INPUT, 'a point of the curve is not finite')
+      else if (.not. all(x(2:) > x(:size(x) - 1))) then
+         call fail(error, ERR_INPUT, 'the abscissae of the curve do not ascend')
+      else
+         call add_curve(set%model%curves, set%model%curves%n + 1, x, y)
+         curve = set%model%curves%n
+      end if
+   end subroutine add_joint_curve
+
+   !> Add a joint; they are numbered from 1 in the order in which they come.
+   !>
+   !> Errors: ERR_INPUT when anything of it does not fit, or the joints have been started.
+   subroutine add_joint(set, spec, error)
+      type(joint_set_t), intent(inout) :: set
+      type(joint_spec_t), intent(in) :: spec
+      type(error_t), allocatable, intent(out) :: error
+
+      type(joint_spec_t), allocatable :: longer(:)
+
+      call check_open(set, error)
+      if (allocated(error)) return
+      call check_spec(set, spec, error)
+      if (allocated(error)) return
+      allocate (longer(size(set%spec) + 1))
+      longer(:size(set%spec)) = set%spec
+      longer(size(longer)) = spec
+      call move_alloc(longer, set%spec)
+   end subroutine add_joint
+
+   !> The set takes joints
+   subroutine check_open(set, error)
+      type(joint_set_t), intent(in) :: set
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. set%made) then
+         call fail(error, ERR_INPUT, 'the set of joints has not been made: call new_joint_set')
+      else if (set%started) then
+         call fail(error, ERR_INPUT, 'the joints have been started: none can be added')
+      end if
+   end subroutine check_open
+
+   !> Fix the joints in the present places of the nodes, where they are free of force.
+   !>
+   !> Masses go into the damping of blocked directions and into the critical step. Mass 0: the host
+   !> holds or drives the carrier. Inertia 0: it does not turn.
+   !> Errors: ERR_INPUT when shapes do not fit or a value of a node of a joint is not finite or
+   !> negative, when both carriers of a joint are held, when its axes do not exist.
+   subroutine start_joints(set, x, mass, inertia, error, attitude)
+      type(joint_set_t), intent(inout) :: set
+      real(wp), intent(in) :: x(:, :)            !! positions, W, (3, n)
+      real(wp), intent(in) :: mass(:)            !! (n)
+      !> principal inertia about the node, along the axes of its attitude, (3, n)
+      real(wp), intent(in) :: inertia(:, :)
+      type(error_t), allocatable, intent(out) :: error
+      !> quaternions w x y z, world from axes of the node, (4, n); consistent needs them
+      real(wp), intent(in), optional :: attitude(:, :)
+
+      call check_open(set, error)
+      if (.not. allocated(error)) call check_shape(set, x, 'x', error)
+      if (.not. allocated(error)) call check_shape(set, inertia, 'inertia', error)
+      if (.not. allocated(error)) call check_attitude(set, .not. set%legacy, error, attitude)
+      if (allocated(error)) return
+      if (size(mass) /= set%n_host) then
+         call fail(error, ERR_INPUT, 'the array mass has '//str(size(mass))// &
+            ' values, expected: '//str(set%n_host))
+         return
+      end if
+      call number_nodes(set, error)
+      if (.not. allocated(error)) call check_nodes(set, x, size(set%host), 'x', error)
+      if (.not. allocated(error)) call set_scene(set, x, mass, inertia, error, attitude)
+      if (.not. allocated(error)) call set_joints(set, error)
+      if (.not. allocated(error)) call begin_state(set, error, attitude)
+      if (allocated(error)) set%made = .false.   ! half numbered: it takes a new set
+   end subroutine start_joints
+
+   !> Carriers first, ascending; then the other nodes of the joints
+   subroutine number_nodes(set, error)
+      type(joint_set_t), intent(inout) :: set
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: lead(set%n_host), new(set%n_host), j, e, i, n
+      logical :: seen(set%n_host)
+
+      lead = 0
+      seen = .false.
+      do j = 1, size(set%spec)
+         associate (s => set%spec(j))
+            do e = 1, 2
+               i = merge(s%carrier(e), s%node(e), s%carrier(e) > 0)
+               if (lead(s%node(e)) > 0 .and. lead(s%node(e)) /= i) then
+                  call fail(error, ERR_INPUT, 'node '//str(s%node(e))//' has two carriers')
+                  return
+               end if
+               lead(s%node(e)) = i
+               seen(i) = .true.
+            end do
+         end associate
+      end do
+      do i = 1, set%n_host
+         if (seen(i) .and. lead(i) > 0 .and. lead(i) /= i) then
+            call fail(error, ERR_INPUT, 'carrier '//str(i)//' is carried by another')
+            return
+         end if
+      end do
+      set%host = pack([(i, i=1, set%n_host)], seen)
+      set%model%n_lead = size(set%host)
+      set%model%n_body = set%model%n_lead
+      where (seen) lead = [(i, i=1, set%n_host)]
+      do j = 1, size(set%spec)
+         do e = 1, 2
+            do n = 1, 3
+               i = set%spec(j)%axis_node(n, e)
+               if (i > 0) then
+                  if (lead(i) == 0) lead(i) = lead(set%spec(j)%node(e))
+               end if
+            end do
+         end do
+      end do
+      set%host = [set%host, pack([(i, i=1, set%n_host)], lead > 0 .and. .not. seen)]
+      new = 0
+      new(set%host) = [(i, i=1, size(set%host))]
+      set%model%n_node = size(set%host)
+      set%model%node_id = set%host
+      set%model%lead = new(lead(set%host))
+      do j = 1, size(set%spec)
+         associate (s => set%spec(j))
+            s%node = new(s%node)
+            do e = 1, 2
+               if (s%axis_node(1, e) > 0) s%axis_node(:, e) = new(s%axis_node(:, e))
+            end do
+         end associate
+      end do
+   end subroutine number_nodes
+
+   !> Nodes and masses of the small model, and nothing that loads or holds it
+   subroutine set_scene(set, x, mass, inertia, error, attitude)
+      type(joint_set_t), intent(inout) :: set
+      real(wp), intent(in) :: x(:, :), mass(:), inertia(:, :)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: attitude(:, :)
+
+      real(wp) :: own(3)
+      integer :: i
+
+      associate (m => set%model, n => set%model%n_lead)
+         allocate (m%x0(m%n_node, 3), m%v0(m%n_node, 3), m%w0(n, 3), m%mass(n), m%inertia(n), &
+            m%principal(n, 3), m%axes(n, 9), source=0.0_wp)
+         allocate (m%first(n + 1), source=n + 1)
+         m%body_id = m%node_id(:n)
+         allocate (m%bcs(0), m%gravity(0), m%cload(0), m%motion(0), m%th_joint(0), m%th_body(0), &
+            m%th_node(0), m%th_node_skew(0))
+         do i = 1, m%n_node
+            m%x0(i, :) = host_vector(set, x, set%host(i))
+         end do
+         do i = 1, n
+            own = host_vector(set, inertia, set%host(i))
+            if (.not. (ieee_is_finite(mass(set%host(i))) .and. all(ieee_is_finite(own))) .or. &
+               mass(set%host(i)) < 0.0_wp .or. any(own < 0.0_wp)) then
+               call fail(error, ERR_INPUT, 'mass or inertia of node '//str(set%host(i))// &
+                  ' is negative or not finite')
+               return
+            end if
+            m%mass(i) = mass(set%host(i))
+            m%principal(i, :) = own
+            if (.not. m%mass(i) > 0.0_wp) then
+               m%mass(i) = HELD
+               m%principal(i, :) = HELD
+            end if
+            m%inertia(i) = minval(m%principal(i, :))
+            m%axes(i, :) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
+            if (present(attitude)) &
+               m%axes(i, :) = columns_of(host_quaternion(set, attitude, set%host(i)))
+         end do
+         if (.not. allocated(m%curves%id)) then
+            allocate (m%curves%id(0), m%curves%x(0), m%curves%y(0))
+            allocate (m%curves%first(1), source=1)
+         end if
+      end associate
+   end subroutine set_scene
+
+   !> Skews, frames and constants of all joints
+   subroutine set_joints(set, error)
+      type(joint_set_t), intent(inout) :: set
+      type(error_t), allocatable, intent(out) :: error
+
+      type(property_t) :: property(size(set%spec))
+      type(joint_t) :: joint(size(set%spec))
+      logical :: moving(2*size(set%spec))
+      integer :: j, e, s
+
+      call set_skews(set)
+      associate (m => set%model)
+         m%n_joint = size(set%spec)
+         allocate (m%joint(m%n_joint), m%joint_name(m%n_joint))
+         moving = .false.
+         s = 0
+         do j = 1, m%n_joint
+            m%joint(j)%id = set%spec(j)%id
+            m%joint_name(j)%s = ''
+            call set_property(set%spec(j), property(j))
+            joint(j)%property = j
+            joint(j)%node = set%spec(j)%node
+            do e = 1, 2
+               if (set%spec(j)%axis_node(1, e) == 0) cycle
+               s = s + 1
+               joint(j)%skew(e) = s
+               moving(s) = set%legacy .and. (property(j)%frame == FRAME_CROSS .or. &
+                  property(j)%frame == FRAME_FIRST .and. e == 1)
+            end do
+            call set_frame(set, property(j)%frame, set%spec(j), joint(j), error)
+            if (allocated(error)) return
+            if (all(m%mass(m%lead(joint(j)%node)) >= HELD)) then
+               call fail(error, ERR_INPUT, 'joint '//str(m%joint(j)%id)// &
+                  ': both carriers have mass 0')
+               return
+            end if
+            call set_constants(m, property(j), joint(j))
+         end do
+         m%skews%needed = pack([(s, s=1, m%skews%n)], moving(:m%skews%n))
+         call fill_batches(property, joint, m)
+      end associate
+   end subroutine set_joints
+
+   !> One skew for each end with axis nodes
+   subroutine set_skews(set)
+      type(joint_set_t), intent(inout) :: set
+
+      integer :: j, e, n
+
+      n = 0
+      do j = 1, size(set%spec)
+         n = n + count(set%spec(j)%axis_node(1, :) > 0)
+      end do
+      associate (k => set%model%skews, x => set%model%x0)
+         k%n = n
+         allocate (k%id(n), k%dir(n), k%node(3, n), set%shear_node(3, n), set%shear_of(n), source=1)
+         allocate (k%axes(0:n, 9), source=0.0_wp)
+         k%axes(0, [1, 5, 9]) = 1.0_wp
+         n = 0
+         do j = 1, size(set%spec)
+            do e = 1, 2
+               if (set%spec(j)%axis_node(1, e) == 0) cycle
+               n = n + 1
+               k%id(n) = n
+               k%node(:, n) = set%spec(j)%axis_node(:, e)
+               k%axes(n, :) = skew_axes(1, x(k%node(1, n), :), x(k%node(2, n), :), &
+                  x(k%node(3, n), :))
+               set%shear_node(:, n) = k%node(:, n)
+               set%shear_of(n) = merge(j, -j, e == 1)
+            end do
+         end do
+      end associate
+   end subroutine set_skews
+
+   !> What a deck would say in /PROP/KJOINT
+   pure subroutine set_property(spec, p)
+      type(joint_spec_t), intent(in) :: spec
+      type(property_t), intent(out) :: p
+
+      integer :: dof
+
+      p%id = spec%id
+      p%row = find_joint_type(spec%type)
+      p%frame = joint_types(p%row)%frame
+      if (spec%first_frame .and. p%frame == FRAME_MEAN) p%frame = FRAME_FIRST
+      p%cr = spec%cr
+      if (.not. p%cr > 0.0_wp) p%cr = 0.05_wp
+      p%kn = spec%kn
+      if (all(joint_types(p%row)%free == 1)) then
+         p%cr = 0.0_wp
+         p%kn = 0.0_wp
+      end if
+      p%k = spec%k
+      p%c = spec%c
+      p%k_curve = spec%k_curve
+      p%c_curve = spec%c_curve
+      do dof = 1, NDOF
+         if (p%k_curve(dof) > 0 .and. .not. p%k(dof) > 0.0_wp) p%k(dof) = 1.0_wp
+         if (p%c_curve(dof) > 0 .and. .not. p%c(dof) > 0.0_wp) p%c(dof) = 1.0_wp
+      end do
+   end subroutine set_property
+
+   !> Frame at the start from the axis nodes, else as given
+   subroutine set_frame(set, rule, spec, joint, error)
+      type(joint_set_t), intent(in) :: set
+      integer, intent(in) :: rule
+      type(joint_spec_t), intent(in) :: spec
+      type(joint_t), intent(inout) :: joint
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: axes(9, 2)
+      logical :: opposite
+      integer :: e
+
+      joint%frame = spec%axes
+      if (all(joint%skew == 0)) return
+      opposite = .false.
+      do e = 1, 2
+         axes(:, e) = set%model%skews%axes(joint%skew(merge(e, 3 - e, joint%skew(e) > 0)), :)
+         if (rule == FRAME_CROSS .and. joint%skew(e) == 0) opposite = .true.
+      end do
+      if (all(abs(norm2(reshape(axes, [3, 6]), dim=1) - 1.0_wp) < 1.0e-6_wp) .and. &
+         .not. opposite) then
+         call mean_frame(rule, axes(:, 1), axes(:, 2), joint%frame, opposite)
+         if (rule == FRAME_CROSS) opposite = abs(dot_product(axes(:3, 1), axes(:3, 2))) > 0.999_wp
+      else
+         opposite = .true.
+      end if
+      if (opposite) call fail(error, ERR_INPUT, 'joint '//str(spec%id)// &
+         ': its axis nodes give no frame (in a line, 180 degrees apart, or one end without)')
+   end subroutine set_frame
+
+end module kj_element_build

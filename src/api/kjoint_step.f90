@@ -1,0 +1,248 @@
+!> A scene that its host steps, samples and asks.
+submodule (kjoint:kjoint_run) kjoint_step
+   use kj_math3, only: to_quaternion
+   use kj_joint_types, only: joint_types
+   use kj_channels, only: channels, groups
+   use kj_c_body, only: columns
+   use kj_c_step, only: place_node
+   use kj_element_deck, only: take_model
+   implicit none
+
+   integer, parameter :: CHUNK = 1000            !! cycles between two looks at the state
+
+contains
+
+   module procedure start_simulation
+      if (.not. sim%loaded) then
+         call fail(error, ERR_INPUT, 'no deck is loaded')
+         return
+      end if
+      sim%started = .false.
+      call new_state(sim%model, sim%state)
+      if (sim%legacy) then
+         call find_accelerations(sim%model, sim%state, .true., error)
+         if (.not. allocated(error)) call start_energy(sim)
+      else
+         call start_consistent(sim, error)
+         if (.not. allocated(error)) call renew_published(sim)
+      end if
+      sim%started = .not. allocated(error)
+   end procedure start_simulation
+
+   module procedure advance_simulation
+      logical :: arrived
+
+      call check_started(sim, error)
+      if (.not. allocated(error) .and. .not. ieee_is_finite(until)) &
+         call fail(error, ERR_INPUT, 'the time is not finite')
+      if (allocated(error)) return
+      if (sim%legacy) then
+         do while (sim%state%time < until .and. .not. allocated(error))
+            call legacy_cycle(sim, error)
+         end do
+      else
+         arrived = .not. sim%c_state%time < until
+         do while (.not. (arrived .or. allocated(error)))
+            call march(sim%model, sim%c_model, until, CHUNK, sim%march, sim%c_state, arrived)
+            call check_state(sim, error)
+         end do
+         if (.not. allocated(error)) call renew_published(sim)
+      end if
+      sim%started = .not. allocated(error)
+   end procedure advance_simulation
+
+   module procedure step_simulation
+      real(wp) :: until
+      logical :: arrived
+
+      call check_started(sim, error)
+      if (allocated(error)) return
+      if (sim%legacy) then
+         call legacy_cycle(sim, error)
+      else
+         until = sim%c_state%time + sim%march%limit
+         call march(sim%model, sim%c_model, until, 1, sim%march, sim%c_state, arrived)
+         call check_state(sim, error)
+         if (.not. allocated(error)) call renew_published(sim)
+      end if
+      sim%started = .not. allocated(error)
+   end procedure step_simulation
+
+   !> A cycle from accelerations to accelerations, so that everything is known in between
+   subroutine legacy_cycle(sim, error)
+      type(simulation_t), intent(inout) :: sim
+      type(error_t), allocatable, intent(out) :: error
+
+      call advance(sim%model, sim%state, error)
+      if (.not. allocated(error)) call find_accelerations(sim%model, sim%state, .true., error)
+   end subroutine legacy_cycle
+
+   !> What samples and queries read
+   subroutine renew_published(sim)
+      type(simulation_t), intent(inout) :: sim
+
+      call balance_ledger(sim%model, sim%c_model, sim%c_state)
+      call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
+   end subroutine renew_published
+
+   subroutine check_started(sim, error)
+      type(simulation_t), intent(in) :: sim
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. sim%started) call fail(error, ERR_INPUT, &
+         'the simulation is not started, or an error has ended it')
+   end subroutine check_started
+
+   module procedure simulation_status
+      if (sim%loaded) call tell(sim, status)
+   end procedure simulation_status
+
+   module procedure simulation_history
+      if (sim%loaded) history = sim%history
+   end procedure simulation_history
+
+   module procedure sample_simulation
+      row = 0.0_wp
+      call check_started(sim, error)
+      if (allocated(error)) return
+      if (size(row) /= sim%history%n_value) then
+         call fail(error, ERR_INPUT, 'a row has '//str(sim%history%n_value)//' numbers, not '// &
+            str(size(row)))
+         return
+      end if
+      call sample_row(sim%model, sim%state, sim%history, .false., sim%sampler, row, error)
+   end procedure sample_simulation
+
+   module procedure channel_values
+      character(len=:), allocatable :: path
+      integer :: i
+
+      if (size(row) /= history%n_value .or. .not. allocated(history%variable)) then
+         call fail(error, ERR_INPUT, 'a row has '//str(history%n_value)//' numbers, not '// &
+            str(size(row)))
+         return
+      end if
+      do i = 1, size(history%variable)
+         associate (v => history%variable(i), c => channels(history%variable(i)%channel))
+            path = trim(c%name)
+            if (len_trim(groups(c%owner)%path) > 0) path = trim(groups(c%owner)%path)//'/'//path
+            if (path /= name) cycle
+            values = reshape(row(v%first:v%first + v%n_comp*v%n_entity - 1), [v%n_comp, v%n_entity])
+            return
+         end associate
+      end do
+      call fail(error, ERR_INPUT, 'the history has no channel '//trim(name))
+   end procedure channel_values
+
+   module procedure simulation_bodies
+      allocate (ids(0))
+      if (sim%loaded) ids = sim%model%body_id
+   end procedure simulation_bodies
+
+   module procedure simulation_joints
+      allocate (ids(0))
+      if (sim%loaded) ids = sim%model%joint%id
+   end procedure simulation_joints
+
+   module procedure body_state
+      integer :: b
+      real(wp) :: p(3, 3)
+
+      call find_body(sim, id, b, error)
+      if (allocated(error)) return
+      body%id = id
+      associate (s => sim%state, m => sim%model)
+         body%mass = s%mass(b)
+         body%position = s%world%x(b, :)
+         p = matmul(reshape(s%p(b, :), [3, 3]), transpose(reshape(m%axes(b, :), [3, 3])))
+         body%attitude = to_quaternion(p)
+         body%velocity = s%v(b, :)
+         body%omega = s%world%w(b, :)
+         body%force = s%f(b, :) + s%f_own(b, :)
+         body%moment = s%m(b, :) + s%m_own(b, :)
+      end associate
+   end procedure body_state
+
+   !> Index of a body. Errors: ERR_INPUT
+   subroutine find_body(sim, id, b, error)
+      type(simulation_t), intent(in) :: sim
+      integer, intent(in) :: id
+      integer, intent(out) :: b
+      type(error_t), allocatable, intent(out) :: error
+
+      b = 0
+      call check_started(sim, error)
+      if (allocated(error)) return
+      do b = 1, sim%model%n_body
+         if (sim%model%body_id(b) == id) return
+      end do
+      call fail(error, ERR_INPUT, 'there is no rigid body '//str(id))
+   end subroutine find_body
+
+   !> Index of a joint. Errors: ERR_INPUT
+   subroutine find_joint(sim, id, j, error)
+      type(simulation_t), intent(in) :: sim
+      integer, intent(in) :: id
+      integer, intent(out) :: j
+      type(error_t), allocatable, intent(out) :: error
+
+      j = 0
+      call check_started(sim, error)
+      if (allocated(error)) return
+      do j = 1, sim%model%n_joint
+         if (sim%model%joint(j)%id == id) return
+      end do
+      call fail(error, ERR_INPUT, 'there is no joint '//str(id))
+   end subroutine find_joint
+
+   module procedure node_position
+      integer :: i
+
+      x = 0.0_wp
+      call check_started(sim, error)
+      if (allocated(error)) return
+      do i = 1, sim%model%n_node
+         if (sim%model%node_id(i) /= id) cycle
+         x = sim%state%world%x(i, :)
+         if (.not. sim%legacy) x = place_node(sim%model, sim%c_model, sim%c_state, i)
+         return
+      end do
+      call fail(error, ERR_INPUT, 'there is no node '//str(id))
+   end procedure node_position
+
+   module procedure joint_state
+      integer :: j
+
+      call find_joint(sim, id, j, error)
+      if (allocated(error)) return
+      associate (ref => sim%model%joint(j))
+         result%id = id
+         result%type = joint_types(ref%row)%id
+         associate (s => sim%state%joint(ref%batch), i => ref%place)
+            result%force = s%f(i, :)
+            result%displacement = s%q(i, :)
+            result%frame = reshape(s%e(i, :), [3, 3])
+            result%energy = s%energy(i)
+         end associate
+         if (sim%legacy) return
+         result%dissipated = sim%c_state%joint(ref%batch)%dissipated(ref%place)
+         result%orthogonality = sim%state%ortho(sim%model%batch(ref%batch)%first + ref%place)
+      end associate
+   end procedure joint_state
+
+   module procedure take_joints
+      if (.not. sim%loaded) then
+         call fail(error, ERR_INPUT, 'no deck is loaded')
+      else if (.not. set%made .or. set%started) then
+         call fail(error, ERR_INPUT, 'the set of joints is not new')
+      else if (size(set%spec) > 0 .or. set%model%curves%n > 0) then
+         call fail(error, ERR_INPUT, 'the set already holds joints or curves')
+      else if (set%legacy .neqv. sim%legacy) then
+         call fail(error, ERR_INPUT, 'the deck was loaded for another formulation than the set')
+      end if
+      if (allocated(error)) return
+      call take_model(set, sim%model, node_id, error, attitude)
+      if (allocated(error)) set%made = .false.
+   end procedure take_joints
+
+end submodule kjoint_step
