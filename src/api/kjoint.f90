@@ -63,6 +63,9 @@ module kjoint
       !> largest energy error in percent; negative: 15, off under legacy
       real(wp) :: energy_limit = -1.0_wp
       logical :: ignore_unsupported = .false.   !! unsupported keywords become warnings
+      integer :: threads = 1                 !! of the cycle; the results do not depend on it
+      !> joints or bodies that a thread needs to be worth it; smaller scenes take fewer threads
+      integer :: least_share = 500
    end type run_options_t
 
    !> Where a run stands

@@ -37,6 +37,8 @@ contains
          if (options%until > 0.0_wp) c%t_stop = options%until
          if (options%sample >= 0.0_wp) c%sample = options%sample
          if (options%dt_scale > 0.0_wp) c%dt_factor = options%dt_scale
+         c%threads = options%threads
+         c%least_share = options%least_share
          c%dt_ini = options%dt_max_scale*c%dt_ini
          c%dt_max = options%dt_max_scale*c%dt_max
          if (.not. c%t_stop >= 0.0_wp) call fail(error, ERR_INPUT, 'the end time is negative')

@@ -2,13 +2,16 @@
 !> what does not exist has no row. To add an option: a row here, and its use in the command.
 module kj_option
    use kj_error, only: error_t, fail, ERR_INPUT
-   use kj_number, only: parse_real, NUMBER_FINE
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE
    use kj_kinds, only: wp
    use kj_spelling, only: edit_distance
+   use kj_team, only: has_threads
+   use kj_terminal, only: environment
    implicit none
    private
 
-   public :: command_t, option_t, word_t, arguments_t, parse_arguments, option_real
+   public :: command_t, option_t, word_t, arguments_t, parse_arguments, option_real, &
+      option_threads
    public :: has_option, did_you_mean
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
@@ -113,8 +116,8 @@ module kj_option
                'of --dt-scale to try, longest first; default 0.9,0.45,0.225,0.1125'), &
       option_t(OPT_STIFFNESS,    '',   '--stiffness',         'LIST',   'study', &
                'of --kn-scale to try beside 1; default 0.1,0.01'), &
-      option_t(OPT_THREADS,      '',   '--threads',           'N',      'study', &
-               'runs at a time; default: OMP_NUM_THREADS, else 1')]
+      option_t(OPT_THREADS,      '',   '--threads',           'N',      'run study', &
+               'threads of a run, runs of a study; default: OMP_NUM_THREADS, else 1')]
 
    !> A word of the command line
    type :: word_t
@@ -368,5 +371,27 @@ contains
          value = number
       end if
    end subroutine option_real
+
+   !> --threads, else OMP_NUM_THREADS, else 1
+   !>
+   !> Errors: ERR_INPUT when --threads is no whole number from 1
+   subroutine option_threads(args, threads, error)
+      type(arguments_t), intent(in) :: args
+      integer, intent(out) :: threads
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: number, status
+
+      threads = 1
+      call parse_integer(environment('OMP_NUM_THREADS'), number, status)
+      if (status == NUMBER_FINE) threads = max(1, number)
+      if (.not. args%given(OPT_THREADS)) return
+      call parse_integer(args%value(OPT_THREADS)%s, threads, status)
+      if (status == NUMBER_FINE .and. threads > 1 .and. .not. has_threads()) call fail(error, &
+         ERR_INPUT, 'this kjoint was built without OpenMP: it has one thread')
+      if (status == NUMBER_FINE .and. threads > 0) return
+      call fail(error, ERR_INPUT, '--threads needs a whole number from 1, not "'// &
+         args%value(OPT_THREADS)%s//'"')
+   end subroutine option_threads
 
 end module kj_option

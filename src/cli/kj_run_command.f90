@@ -3,10 +3,10 @@ module kj_run_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, str, add_finding, ERR_INPUT, ERR_FILE
    use kj_system, only: wall_clock
-   use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_LEGACY, OPT_FORMULATION, &
-      OPT_INTEGRATOR, OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, OPT_DT_SCALE, OPT_ENERGY_LIMIT, &
-      OPT_KN_SCALE, &
-      OPT_IGNORE, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_option, only: arguments_t, option_real, option_threads, OPT_OUTPUT, &
+      OPT_LEGACY, OPT_FORMULATION, OPT_INTEGRATOR, OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, &
+      OPT_DT_SCALE, OPT_ENERGY_LIMIT, OPT_KN_SCALE, OPT_IGNORE, &
+      OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
@@ -125,6 +125,7 @@ contains
          call option_real(args, OPT_ENERGY_LIMIT, 0.0_wp, options%energy_limit, error)
       if (.not. allocated(error)) &
          call option_real(args, OPT_KN_SCALE, tiny(1.0_wp), options%kn_scale, error)
+      if (.not. allocated(error)) call option_threads(args, options%threads, error)
    end subroutine take_options
 
    !> The run itself
@@ -145,6 +146,7 @@ contains
       if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
       sink%reproducible = args%given(OPT_REPRODUCIBLE)
       sink%command_line = command_line
+      call option_threads(args, sink%n_threads, error)
       outcome%history = sink%path
       show = SHOW_LISTING
       if (may_overwrite(STDERR) .and. .not. args%given(OPT_VERBOSE)) show = SHOW_STATUS

@@ -2,10 +2,11 @@
 module kj_study_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_INPUT, ERR_FILE
-   use kj_number, only: parse_real, parse_integer, NUMBER_FINE
-   use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_UNTIL, OPT_SAMPLE, OPT_IGNORE, &
+   use kj_number, only: parse_real, NUMBER_FINE
+   use kj_option, only: arguments_t, option_real, option_threads, OPT_OUTPUT, &
+      OPT_UNTIL, OPT_SAMPLE, OPT_IGNORE, &
       OPT_QUIET, OPT_JSON, OPT_ERROR, OPT_SCALES, OPT_STIFFNESS, OPT_THREADS
-   use kj_terminal, only: print_line, print_error, environment, may_colour, STDERR
+   use kj_terminal, only: print_line, print_error, may_colour, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json, only: json_member, json_findings
@@ -107,9 +108,6 @@ contains
       real(wp), intent(out) :: wanted
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: threads
-      integer :: number, status
-
       wanted = WANTED_ERROR
       options%run%ignore_unsupported = args%given(OPT_IGNORE)
       call option_real(args, OPT_UNTIL, 0.0_wp, options%run%until, error)
@@ -121,11 +119,7 @@ contains
       if (.not. allocated(error)) &
          call option_list(args, OPT_STIFFNESS, '--stiffness', options%kn_scale, error)
       if (allocated(error)) return
-      call parse_integer(environment('OMP_NUM_THREADS'), number, status)
-      threads = 1.0_wp
-      if (status == NUMBER_FINE) threads = number
-      call option_real(args, OPT_THREADS, 1.0_wp, threads, error)
-      options%threads = max(1, nint(threads))
+      call option_threads(args, options%threads, error)
    end subroutine take_study_options
 
    !> Positive numbers with commas between them, descending; not allocated when the option is not

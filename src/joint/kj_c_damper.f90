@@ -8,7 +8,7 @@ module kj_c_damper
    use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, c_joint_t, N_B
-   use kj_c_force, only: poses_t, rates, put_wrench, add_moment
+   use kj_c_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_c_limit, only: damp_round_stops
    implicit none
    private

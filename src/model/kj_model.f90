@@ -91,6 +91,8 @@ module kj_model
       !> the step of TYPE45 joints alone, without nodal_step
       logical :: joint_step = .false.
       integer :: print_every = 100
+      integer :: threads = 1
+      integer :: least_share = 500             !! joints or leads that a thread needs to be worth it
    end type control_t
 
    !> The scene

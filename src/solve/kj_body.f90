@@ -12,7 +12,8 @@ module kj_body
    implicit none
    private
 
-   public :: turn_bodies, solve_conditioned, linear_accelerations, move_leads, move_secondaries
+   public :: turn_bodies, solve_conditioned, linear_accelerations, move_leads, move_secondaries, &
+      check_turns
    public :: secondary_velocity
 
 contains
@@ -88,20 +89,21 @@ contains
       end do
    end subroutine solve_conditioned
 
-   !> a = f/m and, for free nodes, al = m/I; zero where there is no mass or inertia
-   subroutine linear_accelerations(model, state)
+   !> a = f/m and, for free nodes, al = m/I, of leads lo..hi; zero where there is no mass or inertia
+   subroutine linear_accelerations(model, lo, hi, state)
       type(model_t), intent(in) :: model
+      integer, intent(in) :: lo, hi
       type(state_t), intent(inout) :: state
 
       integer :: i, k
 
       do k = 1, 3
-         do i = 1, model%n_lead
+         do i = lo, hi
             state%a(i, k) = 0.0_wp
             if (state%mass(i) > 0.0_wp) &
                state%a(i, k) = (state%f(i, k) + state%f_own(i, k))/state%mass(i)
          end do
-         do i = model%n_body + 1, model%n_lead
+         do i = max(lo, model%n_body + 1), hi
             state%al(i, k) = 0.0_wp
             if (state%inertia(i) > 0.0_wp) &
                state%al(i, k) = (state%m(i, k) + state%m_own(i, k))/state%inertia(i)
@@ -109,15 +111,15 @@ contains
       end do
    end subroutine linear_accelerations
 
-   !> v += h12 a, w += h12 al, x += h2 v of all leads
-   subroutine move_leads(model, state)
-      type(model_t), intent(in) :: model
+   !> v += h12 a, w += h12 al, x += h2 v of leads lo..hi
+   subroutine move_leads(lo, hi, state)
+      integer, intent(in) :: lo, hi
       type(state_t), intent(inout) :: state
 
       integer :: i, k
 
       do k = 1, 3
-         do i = 1, model%n_lead
+         do i = lo, hi
             state%v(i, k) = state%v(i, k) + state%h12*state%a(i, k)
             state%world%w(i, k) = state%world%w(i, k) + state%h12*state%al(i, k)
             state%d(i, k) = state%d(i, k) + state%h2*state%v(i, k)
@@ -145,37 +147,50 @@ contains
       u = v + rel + 0.5_wp*h2*cross(w, rel)
    end function secondary_velocity
 
-   !> Move the secondary nodes of bodies lo..hi by one step; the leads have their new velocities
-   !> but still their old positions.
-   !>
-   !> Errors: ERR_RUN when a body with more than two secondary nodes turns by over 1 rad a step.
-   subroutine move_secondaries(model, state, lo, hi, error)
+   !> Move the secondary nodes of bodies lo..hi by one step; the leads have their old velocities and
+   !> positions
+   subroutine move_secondaries(model, lo, hi, state)
       type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
       integer, intent(in) :: lo, hi
-      type(error_t), allocatable, intent(out) :: error
+      type(state_t), intent(inout) :: state
 
-      real(wp) :: w(3), v(3), turn2
-      integer :: b
-      logical :: few
+      real(wp) :: w(3), v(3)
+      integer :: b, k
 
       do b = lo, hi
-         few = model%first(b + 1) - model%first(b) <= 2
-         v = state%v(b, :) + state%h12*state%a(b, :)
-         w = state%world%w(b, :) + state%h12*state%al(b, :)
-         call move_crew(state, b, few, v, w)
-         turn2 = state%h2**2*sum(state%world%w(b, :)**2)
+         do k = 1, 3
+            v(k) = state%v(b, k) + state%h12*state%a(b, k)
+            w(k) = state%world%w(b, k) + state%h12*state%al(b, k)
+         end do
+         call move_crew(state, b, model%first(b + 1) - model%first(b) <= 2, v, w)
+      end do
+   end subroutine move_secondaries
+
+   !> Keep the largest turn in a step.
+   !>
+   !> Errors: ERR_RUN when a body with more than two secondary nodes turned by over 1 rad.
+   subroutine check_turns(model, state, error)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: turn2
+      integer :: b
+
+      do b = 1, model%n_body
+         turn2 = state%h2**2*(state%world%w(b, 1)**2 + state%world%w(b, 2)**2 + &
+            state%world%w(b, 3)**2)
          if (turn2 > state%turn2) then
             state%turn2 = turn2
             state%turn_body = b
          end if
-         if (turn2 > 1.0_wp .and. .not. few) then
+         if (turn2 > 1.0_wp .and. model%first(b + 1) - model%first(b) > 2) then
             call fail(error, ERR_RUN, 'body '//str(model%body_id(b))// &
                ' turns by more than 1 rad in a step')
             return
          end if
       end do
-   end subroutine move_secondaries
+   end subroutine check_turns
 
    !> Move the secondary nodes of one body that anyone reads; see secondary_velocity
    pure subroutine move_crew(state, b, few, v, w)

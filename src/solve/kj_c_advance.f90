@@ -12,7 +12,8 @@ module kj_c_advance
    use kj_c_bound, only: bound_t, new_bound, renew_bound, has_moved
    use kj_c_limits, only: nodal_bound
    use kj_c_contact, only: contact_t, watch_stops
-   use kj_c_step, only: c_step, field_at
+   use kj_c_load, only: field_at
+   use kj_c_step, only: c_step
    use kj_c_rkmk, only: rkmk_step
    implicit none
    private

@@ -11,7 +11,7 @@ module kj_c_body
    implicit none
    private
 
-   public :: kick, drift, spin_velocity, inverse_inertias, columns, turn_in_space
+   public :: kick, drift, predict, spin_velocity, inverse_inertias, columns, turn_in_space
 
 contains
 
@@ -201,6 +201,30 @@ contains
       end do
    end subroutine conjugate_turn
 
+   !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m, J^-1 (L + h/2 t)
+   subroutine predict(c, h, lo, hi, state)
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      real(wp) :: l(BLOCK, 3)
+      integer :: from, n, i, j, k
+
+      do from = lo, hi, BLOCK
+         n = min(BLOCK, hi - from + 1)
+         do k = 1, 3
+            !$omp simd private(j)
+            do i = 1, n
+               j = from + i - 1
+               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h*c%im(j)*state%f(j, k)
+               l(i, k) = state%l(j, k) + 0.5_wp*h*state%t(j, k)
+            end do
+         end do
+         call spin_block(c, state%poses%quat, from, n, l, state%poses%w)
+      end do
+   end subroutine predict
+
    !> w = J^-1 L of leads lo..hi
    pure subroutine spin_velocity(c, quat, l, lo, hi, w)
       type(c_model_t), intent(in) :: c
@@ -209,27 +233,44 @@ contains
       integer, intent(in) :: lo, hi
       real(wp), contiguous, intent(inout) :: w(:, :)  !! (n_lead, 3)
 
-      real(wp) :: q(BLOCK, 4), e(BLOCK, 9), s1, s2, s3
-      integer :: from, n, i, j, k
+      real(wp) :: part(BLOCK, 3)
+      integer :: from, n, k
 
       do from = lo, hi, BLOCK
          n = min(BLOCK, hi - from + 1)
-         do k = 1, 4
-            q(:n, k) = quat(from:from + n - 1, k)
+         do k = 1, 3
+            part(:n, k) = l(from:from + n - 1, k)
          end do
-         call quaternion_frame(n, q, e)
-         !$omp simd private(j, s1, s2, s3)
-         do i = 1, n
-            j = from + i - 1
-            s1 = c%ii(j, 1)*(e(i, 1)*l(j, 1) + e(i, 2)*l(j, 2) + e(i, 3)*l(j, 3))
-            s2 = c%ii(j, 2)*(e(i, 4)*l(j, 1) + e(i, 5)*l(j, 2) + e(i, 6)*l(j, 3))
-            s3 = c%ii(j, 3)*(e(i, 7)*l(j, 1) + e(i, 8)*l(j, 2) + e(i, 9)*l(j, 3))
-            w(j, 1) = e(i, 1)*s1 + e(i, 4)*s2 + e(i, 7)*s3
-            w(j, 2) = e(i, 2)*s1 + e(i, 5)*s2 + e(i, 8)*s3
-            w(j, 3) = e(i, 3)*s1 + e(i, 6)*s2 + e(i, 9)*s3
-         end do
+         call spin_block(c, quat, from, n, part, w)
       end do
    end subroutine spin_velocity
+
+   !> w = J^-1 L of n leads from ..., L of these alone
+   pure subroutine spin_block(c, quat, from, n, l, w)
+      type(c_model_t), intent(in) :: c
+      real(wp), contiguous, intent(in) :: quat(:, :)
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: l(BLOCK, 3)
+      real(wp), contiguous, intent(inout) :: w(:, :)
+
+      real(wp) :: q(BLOCK, 4), e(BLOCK, 9), s1, s2, s3
+      integer :: i, j, k
+
+      do k = 1, 4
+         q(:n, k) = quat(from:from + n - 1, k)
+      end do
+      call quaternion_frame(n, q, e)
+      !$omp simd private(j, s1, s2, s3)
+      do i = 1, n
+         j = from + i - 1
+         s1 = c%ii(j, 1)*(e(i, 1)*l(i, 1) + e(i, 2)*l(i, 2) + e(i, 3)*l(i, 3))
+         s2 = c%ii(j, 2)*(e(i, 4)*l(i, 1) + e(i, 5)*l(i, 2) + e(i, 6)*l(i, 3))
+         s3 = c%ii(j, 3)*(e(i, 7)*l(i, 1) + e(i, 8)*l(i, 2) + e(i, 9)*l(i, 3))
+         w(j, 1) = e(i, 1)*s1 + e(i, 4)*s2 + e(i, 7)*s3
+         w(j, 2) = e(i, 2)*s1 + e(i, 5)*s2 + e(i, 8)*s3
+         w(j, 3) = e(i, 3)*s1 + e(i, 6)*s2 + e(i, 9)*s3
+      end do
+   end subroutine spin_block
 
    !> J^-1 in W times the number of joints of the lead: xx yy zz xy xz yz
    pure subroutine inverse_inertias(c, quat, lo, hi, ij)

@@ -1,6 +1,7 @@
 !> Model -> constants and first state of the consistent formulation.
 module kj_c_build
    use kj_kinds, only: wp
+   use kj_team, only: new_team
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE
@@ -8,7 +9,7 @@ module kj_c_build
    use kj_skew, only: axis_of
    use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, new_c_limits, &
       CHART_UNIVERSAL, CHART_VECTOR
-   use kj_c_force, only: N_C_WRENCH
+   use kj_c_matrix, only: N_C_WRENCH
    use kj_c_state, only: c_model_t, c_state_t, hold_t, row_t
    use kj_c_hold, only: motion_targets, project, WHOLE
    use kj_c_step, only: find_forces
@@ -39,6 +40,8 @@ contains
       do b = 1, size(model%batch)
          call build_batch(model, c, model%batch(b), c%batch(b))
       end do
+      call new_team(model%control%threads, model%control%least_share, model%batch%n, &
+         model%n_lead, c%team)
       c%damped = any([(c%batch(b)%damped, b=1, size(c%batch))])
       c%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
       c%placed = [integer ::]

@@ -7,11 +7,12 @@ module kj_c_publish
    use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
    use kj_joint_batch, only: joint_state_t
    use kj_c_batch, only: c_batch_t, c_joint_t, frame_of, CHART_UNIVERSAL
-   use kj_c_force, only: joint_rates
+   use kj_c_matrix, only: joint_rates
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
    use kj_c_hold, only: body_matrix, held_force
-   use kj_c_step, only: place_node, field_at
+   use kj_c_load, only: field_at
+   use kj_c_step, only: place_node
    use kj_c_advance, only: march_t
    implicit none
    private

@@ -10,7 +10,8 @@ module kj_c_rkmk
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity, turn_in_space
    use kj_c_hold, only: project, motion_targets, WHOLE
-   use kj_c_step, only: find_forces, load_power, keep_rates, reach_motions
+   use kj_c_load, only: load_power
+   use kj_c_step, only: find_forces, keep_rates, reach_motions
    implicit none
    private
 

@@ -2,9 +2,10 @@
 !> at the same time t(n); the leads (bodies and free nodes) all have an attitude.
 module kj_c_state
    use kj_kinds, only: wp
+   use kj_team, only: team_t
    use kj_model, only: model_t
    use kj_c_batch, only: c_batch_t, c_joint_t
-   use kj_c_force, only: poses_t
+   use kj_c_matrix, only: poses_t
    implicit none
    private
 
@@ -27,6 +28,7 @@ module kj_c_state
    !> Constants of the consistent formulation beside those of the model
    type :: c_model_t
       type(c_batch_t), allocatable :: batch(:)
+      type(team_t) :: team                       !! pieces for the threads
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: im(:)             !! (n_lead) inverse mass, 0 where held or massless
       real(wp), allocatable :: i(:, :), ii(:, :) !! (n_lead, 3) principal inertia and its inverse

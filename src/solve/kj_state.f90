@@ -4,6 +4,7 @@
 !> t(n).
 module kj_state
    use kj_kinds, only: wp
+   use kj_team, only: team_t, new_team
    use kj_model, only: model_t
    use kj_joint_force, only: world_t, start_stiffness, N_WRENCH
    use kj_joint_batch, only: joint_state_t, new_joint_state
@@ -37,6 +38,7 @@ module kj_state
       real(wp) :: turn2 = 0.0_wp
       integer :: turn_body = 0                            !! the body that made it
       ! nodes and leads
+      type(team_t) :: team                                 !! pieces for the threads
       type(world_t) :: world                               !! x, w, skew axes
       real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3)
       real(wp), allocatable :: a(:, :), al(:, :)           !! (n_lead, 3)
@@ -124,6 +126,8 @@ contains
       end associate
       allocate (state%mass, source=model%mass)
       allocate (state%inertia, source=model%inertia)
+      call new_team(model%control%threads, model%control%least_share, model%batch%n, &
+         model%n_lead, state%team)
       call list_moved(model, state%moved, state%first_moved)
       allocate (state%p, source=model%axes)
       allocate (state%principal, source=model%principal)

@@ -12,7 +12,7 @@ module kj_step
    use kj_assembly, only: gather_wrenches
    use kj_load, only: add_cloads, add_gravity, hold_conditions, impose_motion
    use kj_body, only: turn_bodies, solve_conditioned, linear_accelerations, move_leads, &
-      move_secondaries
+      move_secondaries, check_turns
    use kj_time_step, only: choose_step
    use kj_blocking, only: set_blocking
    implicit none
@@ -35,14 +35,13 @@ contains
       call find_joint_forces(model, state, sampling)
       call add_cloads(model, state)
       call add_host_loads(state)
-      call count_impulses(model, state)
-      call turn_bodies(state, 1, model%n_body)
+      call turn_all(model, state)
       call solve_conditioned(model, state)
       call choose_step(model, state)
       call check_step(model, state, error)
       if (.not. allocated(error)) call set_blocking(model, state, error)
       state%work = state%work + state%power*state%h2
-      call linear_accelerations(model, state)
+      call accelerate_all(model, state)
       call add_gravity(model, state)
       call hold_conditions(model, state)
       call impose_motion(model, state)
@@ -59,8 +58,8 @@ contains
 
       integer :: i
 
-      call move_secondaries(model, state, 1, model%n_body, error)
-      call move_leads(model, state)
+      call check_turns(model, state, error)
+      call move_all(model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
             state%h2*state%world%w(model%motion(i)%lead, :)
@@ -100,38 +99,99 @@ contains
       type(state_t), intent(inout) :: state
       logical, intent(in) :: sampling
 
-      integer :: b
+      integer :: piece, b
 
       state%world%time = state%time
       state%world%h12 = state%h12
-      do b = 1, size(model%batch)
-         call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, sampling, 1, &
-            model%batch(b)%n, state%joint(b), state%wrench)
-      end do
+      associate (team => state%team)
+         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+         !$omp private(b)
+         do piece = 1, size(team%joint, 2)
+            b = team%joint(1, piece)
+            call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, sampling, &
+               team%joint(2, piece), team%joint(3, piece), state%joint(b), state%wrench)
+         end do
+      end associate
    end subroutine joint_forces
 
    subroutine gather(model, state)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
 
-      call gather_wrenches(model%map, state%wrench, 1, model%n_lead, state%f, state%m, state%kn, &
-         state%kr)
-      state%kn = state%kn + EPS20
-      state%kr = state%kr + EPS20
-      state%f_own = 0.0_wp
-      state%m_own = 0.0_wp
+      integer :: piece, lo, hi
+
+      associate (team => state%team)
+         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+         !$omp private(lo, hi)
+         do piece = 1, size(team%lead, 2)
+            lo = team%lead(1, piece)
+            hi = team%lead(2, piece)
+            call gather_wrenches(model%map, state%wrench, lo, hi, state%f, state%m, state%kn, &
+               state%kr)
+            state%kn(lo:hi) = state%kn(lo:hi) + EPS20
+            state%kr(lo:hi) = state%kr(lo:hi) + EPS20
+            state%f_own(lo:hi, :) = 0.0_wp
+            state%m_own(lo:hi, :) = 0.0_wp
+         end do
+      end associate
    end subroutine gather
 
-   !> Impulses of the forces on secondary nodes, as the Radioss time history keeps them
-   subroutine count_impulses(model, state)
+   !> Turn of the bodies and their angular accelerations; impulses of the forces on secondary nodes,
+   !> as the Radioss time history keeps them
+   subroutine turn_all(model, state)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
 
-      associate (n => model%n_body)
-         state%impulse = state%impulse + state%h1*state%f(:n, :)
-         state%angular_impulse = state%angular_impulse + state%h1*state%m(:n, :)
+      integer :: piece, lo, hi, k
+
+      associate (team => state%team)
+         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+         !$omp private(lo, hi, k)
+         do piece = 1, size(team%lead, 2)
+            lo = team%lead(1, piece)
+            hi = min(team%lead(2, piece), model%n_body)
+            do k = 1, 3
+               state%impulse(lo:hi, k) = state%impulse(lo:hi, k) + state%h1*state%f(lo:hi, k)
+               state%angular_impulse(lo:hi, k) = state%angular_impulse(lo:hi, k) + &
+                  state%h1*state%m(lo:hi, k)
+            end do
+            call turn_bodies(state, lo, hi)
+         end do
       end associate
-   end subroutine count_impulses
+   end subroutine turn_all
+
+   subroutine accelerate_all(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      integer :: piece
+
+      associate (team => state%team)
+         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1)
+         do piece = 1, size(team%lead, 2)
+            call linear_accelerations(model, team%lead(1, piece), team%lead(2, piece), state)
+         end do
+      end associate
+   end subroutine accelerate_all
+
+   !> New velocities and positions of bodies with their secondary nodes, and of free nodes
+   subroutine move_all(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+
+      integer :: piece, lo, hi
+
+      associate (team => state%team)
+         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
+         !$omp private(lo, hi)
+         do piece = 1, size(team%lead, 2)
+            lo = team%lead(1, piece)
+            hi = team%lead(2, piece)
+            call move_secondaries(model, lo, min(hi, model%n_body), state)
+            call move_leads(lo, hi, state)
+         end do
+      end associate
+   end subroutine move_all
 
    subroutine check_step(model, state, error)
       type(model_t), intent(in) :: model

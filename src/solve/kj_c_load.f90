@@ -1,0 +1,155 @@
+!> Concentrated loads and gravity under the consistent formulation, their work and their power.
+module kj_c_load
+   use kj_kinds, only: wp
+   use kj_math3, only: cross
+   use kj_curve, only: load_value
+   use kj_model, only: model_t, load_t, BY_TIME, BY_DISPLACEMENT
+   use kj_skew, only: axis_of
+   use kj_c_state, only: c_model_t, c_state_t
+   implicit none
+   private
+
+   public :: add_loads, add_field, load_power, field_at
+
+contains
+
+   !> Concentrated loads at t, and their work over the step: mean force times displacement
+   subroutine add_loads(model, state)
+      type(model_t), intent(in) :: model
+      type(c_state_t), intent(inout) :: state
+
+      real(wp) :: force(3), x(3), arm(3)
+      integer :: i, k, entry, node, lead
+
+      entry = 0
+      do i = 1, size(model%cload)
+         do k = 1, size(model%cload(i)%node)
+            entry = entry + 1
+            node = model%cload(i)%node(k)
+            lead = model%lead(node)
+            x = state%node(node, :)
+            if (node == lead) x = state%poses%x(lead, :)
+            arm = x - state%poses%x(lead, :)
+            force = load_vector(model, state, model%cload(i), lead, arm)
+            if (node == lead) then
+               if (model%cload(i)%dir <= 3) state%own_f(lead, :) = state%own_f(lead, :) + force
+               if (model%cload(i)%dir > 3) state%own_t(lead, :) = state%own_t(lead, :) + force
+            end if
+            if (model%cload(i)%dir <= 3) then
+               state%f(lead, :) = state%f(lead, :) + force
+               state%t(lead, :) = state%t(lead, :) + cross(arm, force)
+               if (state%by_steps .and. state%cycle > 0) state%work = state%work + 0.5_wp* &
+                  dot_product(force + state%load_force(:, entry), x - state%load_place(:, entry))
+            else
+               state%t(lead, :) = state%t(lead, :) + force
+               if (state%by_steps .and. state%cycle > 0) state%work = state%work + 0.5_wp* &
+                  dot_product(force + state%load_force(:, entry), state%poses%psi(lead, :))
+            end if
+            state%load_force(:, entry) = force
+            state%load_place(:, entry) = x
+         end do
+      end do
+   end subroutine add_loads
+
+   !> Force or moment of a load on a node at `arm` from its lead
+   pure function load_vector(model, state, load, lead, arm) result(force)
+      type(model_t), intent(in) :: model
+      type(c_state_t), intent(in) :: state
+      type(load_t), intent(in) :: load
+      integer, intent(in) :: lead
+      real(wp), intent(in) :: arm(3)
+      real(wp) :: force(3)
+
+      real(wp) :: axis(3), x
+
+      axis = axis_of(state%skew, load%skew, load%dir)
+      x = state%time
+      if (load%sensed) x = x - load%t_start
+      force = 0.0_wp
+      if (x < 0.0_wp .or. state%time > load%t_stop) return
+      if (load%abscissa == BY_DISPLACEMENT) then
+         x = dot_product(state%poses%d(lead, :), axis)
+      else if (load%abscissa /= BY_TIME) then
+         x = dot_product(state%v(lead, :) + cross(state%poses%w(lead, :), arm), axis)
+         if (load%dir > 3) x = dot_product(state%poses%w(lead, :), axis)
+      end if
+      force = load%y_scale*load_value(model%curves, load%curve, x/load%x_scale)*axis
+   end function load_vector
+
+   !> Gravity as a force on its leads; the work of a field that changes counts as external
+   subroutine add_field(model, c, h, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      type(c_state_t), intent(inout) :: state
+
+      real(wp) :: g(3)
+      integer :: i, k, lead
+
+      do i = 1, size(model%gravity)
+         g = field_at(model, state, model%gravity(i))
+         do k = 1, size(model%gravity(i)%node)
+            lead = model%gravity(i)%node(k)
+            state%f(lead, :) = state%f(lead, :) + model%mass(lead)*g
+            state%own_f(lead, :) = state%own_f(lead, :) + model%mass(lead)*g
+            if (c%steady(i) .or. .not. state%by_steps) cycle
+            state%work = state%work + 0.5_wp*model%mass(lead)* &
+               dot_product(g + state%field(:, i), h*state%v(lead, :))
+         end do
+         state%field(:, i) = g
+      end do
+   end subroutine add_field
+
+   !> Power of concentrated loads and of a changing field, with the velocities of the poses
+   real(wp) function load_power(model, c, state) result(power)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+
+      integer :: i, k, entry, lead
+
+      power = 0.0_wp
+      entry = 0
+      do i = 1, size(model%cload)
+         do k = 1, size(model%cload(i)%node)
+            entry = entry + 1
+            lead = model%lead(model%cload(i)%node(k))
+            associate (f => state%load_force(:, entry), w => state%poses%w(lead, :))
+               if (model%cload(i)%dir > 3) then
+                  power = power + dot_product(f, w)
+               else
+                  power = power + dot_product(f, state%poses%v(lead, :) + &
+                     cross(w, state%load_place(:, entry) - state%poses%x(lead, :)))
+               end if
+            end associate
+         end do
+      end do
+      if (allocated(state%f_host)) power = power + sum(state%f_host*state%poses%v) + &
+         sum(state%t_host*state%poses%w)
+      do i = 1, size(model%gravity)
+         if (c%steady(i)) cycle
+         do k = 1, size(model%gravity(i)%node)
+            lead = model%gravity(i)%node(k)
+            power = power + model%mass(lead)*dot_product(state%field(:, i), state%poses%v(lead, :))
+         end do
+      end do
+   end function load_power
+
+   !> Acceleration of a gravity card now, W; zero while its sensor is silent
+   pure function field_at(model, state, load) result(g)
+      type(model_t), intent(in) :: model
+      type(c_state_t), intent(in) :: state
+      type(load_t), intent(in) :: load
+      real(wp) :: g(3)
+
+      real(wp) :: t
+
+      t = state%time
+      if (load%sensed) t = t - load%t_start
+      g = 0.0_wp
+      if (t < 0.0_wp .or. state%time > load%t_stop) return
+      g = load%y_scale*load_value(model%curves, load%curve, t/load%x_scale)* &
+         axis_of(state%skew, load%skew, load%dir)
+   end function field_at
+
+end module kj_c_load
