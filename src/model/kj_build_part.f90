@@ -102,6 +102,7 @@ contains
             end do
          end do
          call new_lookup(id, e%id)
+         call new_lookup(e%part, e%of_part)
          do i = 2, e%n
             if (e%id%id(i) /= e%id%id(i - 1)) cycle
             n = e%id%place(i)

@@ -34,6 +34,7 @@ module kj_draft
       integer, allocatable :: part(:)            !! (n) place of the part, 0 = not defined
       integer, allocatable :: node(:, :)         !! (2, n) raw node indices, 0 = not defined
       type(lookup_t) :: id                       !! of the elements
+      type(lookup_t) :: of_part                  !! elements by the place of their part
    end type elements_t
 
    !> Everything in deck order; node indices are "raw": places in the deck
