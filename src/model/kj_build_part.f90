@@ -30,7 +30,7 @@ contains
       call report_double_blocks(deck, draft%property_block, 'property', findings)
       call block_lookup(deck, draft%property_block, draft%property)
       materials = blocks_of(deck, KW_MAT_VOID)
-      do i = 1, size(materials)      ! their card is optional and used for nothing, but numbers it has
+      do i = 1, size(materials)   ! their card is optional and used for nothing, but is of numbers
          if (deck%block(materials(i))%last > deck%block(materials(i))%first) &
             call read_cards(deck, materials(i), cards, findings)
       end do
