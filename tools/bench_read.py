@@ -90,4 +90,5 @@ def main():
                   f"{memory/1e6:7.1f} MB of memory ({memory/size:.1f} times the file)", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

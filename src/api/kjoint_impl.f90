@@ -139,6 +139,8 @@ contains
          h%title = m%title
          h%legacy = sim%legacy
          h%units = m%units
+         if (m%control%sample > 0.0_wp) &
+            h%n_expected = nint(min(1.0e6_wp, m%control%t_stop/m%control%sample)) + 2
          n = size(m%th_joint)
          h%joint_id = m%joint(m%th_joint)%id
          h%joint_type = joint_types(m%joint(m%th_joint)%row)%id

@@ -6,10 +6,11 @@ module kj_curve
 
    public :: curve_set_t, law_value, load_value, curve_integral, curve_moment, add_curve
 
-   !> Curve c has the points first(c) .. first(c + 1) - 1, abscissae ascending
+   !> Curve c has the points first(c) .. first(c + 1) - 1, abscissae ascending; the arrays may be
+   !> longer than n curves need
    type :: curve_set_t
       integer :: n = 0
-      integer, allocatable :: id(:)          !! user ids
+      integer, allocatable :: id(:)          !! (n) user ids
       integer, allocatable :: first(:)       !! (n + 1)
       real(wp), allocatable :: x(:), y(:)
    end type curve_set_t
@@ -22,15 +23,27 @@ contains
       integer, intent(in) :: id
       real(wp), intent(in) :: x(:), y(:)     !! same size, x ascending
 
+      integer :: from, to, room
+
       if (.not. allocated(set%id)) then
          allocate (set%id(0), set%first(1), set%x(0), set%y(0))
          set%first = 1
       end if
+      from = set%first(set%n + 1)
+      to = from + size(x) - 1
+      if (set%n == size(set%id)) then
+         set%id = [set%id, [(0, room=1, set%n + 8)]]
+         set%first = [set%first, [(0, room=1, set%n + 8)]]
+      end if
+      if (to > size(set%x)) then
+         set%x = [set%x, [(0.0_wp, room=1, to + 8)]]
+         set%y = [set%y, [(0.0_wp, room=1, to + 8)]]
+      end if
       set%n = set%n + 1
-      set%id = [set%id, id]
-      set%x = [set%x, x]
-      set%y = [set%y, y]
-      set%first = [set%first, size(set%x) + 1]
+      set%id(set%n) = id
+      set%x(from:to) = x
+      set%y(from:to) = y
+      set%first(set%n + 1) = to + 1
    end subroutine add_curve
 
    !> First point of the segment that holds x: the first segment whose right end is >= x, else the

@@ -3,7 +3,7 @@ module kj_heading
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE
    use kj_keywords, only: keywords, find_keyword, nearest_keyword, READ_IT, NOTE_IT, HEAD_ID, &
       HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, KW_OTHER
-   use kj_spelling, only: upper
+   use kj_spelling, only: upper, edit_distance
    use kj_fields, only: has_variant
    use kj_deck_data, only: deck_t, block_t, add_deck_finding, line_text, header_end
    use kj_header, only: header_t, split_header
@@ -38,7 +38,7 @@ contains
       if (row == 0) return
       block%keyword = merge(keywords(row)%id, KW_OTHER, keywords(row)%status == READ_IT)
       call take_numbers(deck, indent, header, block, severity, findings)
-      call report_status(deck, row, line, severity, findings)
+      call report_status(deck, row, line, header%path, severity, findings)
    end subroutine read_heading
 
    !> Put the numbers of a header where the row of the keyword says
@@ -89,16 +89,30 @@ contains
    end subroutine take_numbers
 
    !> Tell of a keyword that is only noted or not supported
-   subroutine report_status(deck, row, line, severity, findings)
+   subroutine report_status(deck, row, line, path, severity, findings)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: row, line, severity
+      character(len=*), intent(in) :: path       !! the words of the header
       type(finding_list_t), intent(inout) :: findings
 
+      character(len=:), allocatable :: near
       integer :: last
 
       last = header_end(deck, line)
       associate (k => keywords(row))
          if (k%status == READ_IT) return
+         near = ''
+         if (path /= k%name) near = near_miss(path)
+         if (len(near) > 0 .and. k%status == NOTE_IT) then
+            call add_deck_finding(deck, line, 1, last, SEV_WARNING, 'KJ-9023', path// &
+               ' has no effect here', 'is it misspelt?', findings, 'did you mean '//near//'?')
+            return
+         else if (len(near) > 0) then
+            call add_deck_finding(deck, line, 1, last, severity, 'KJ-9022', &
+               line_text(deck, line)//' is not supported', 'is it misspelt?', findings, &
+               'did you mean '//near//'?')
+            return
+         end if
          if (k%status == NOTE_IT) then
             call add_deck_finding(deck, line, 1, last, SEV_NOTE, 'KJ-9023', &
                trim(k%name)//' has no effect here', trim(k%meaning), findings)
@@ -109,6 +123,22 @@ contains
          end if
       end associate
    end subroutine report_status
+
+   !> Keyword that is read and differs from `path` in two letters at most; '' when there is none, or
+   !> when a digit makes the difference
+   pure function near_miss(path) result(name)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: name
+
+      integer :: row
+
+      do row = 1, size(keywords)
+         if (keywords(row)%status /= READ_IT .or. scan(path, '0123456789') > 0) cycle
+         name = trim(keywords(row)%name)
+         if (edit_distance(path, name) <= 2) return
+      end do
+      name = ''
+   end function near_miss
 
    !> Row of a keyword in lower case, else 0; with a finding in any case
    integer function find_misspelt(deck, line, indent, path, severity, findings) result(row)

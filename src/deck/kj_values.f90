@@ -63,11 +63,14 @@ contains
       character(len=*), intent(in) :: name, meaning, what
       type(finding_list_t), intent(inout) :: findings
 
-      character(len=:), allocatable :: text, label
+      character(len=:), allocatable :: text, label, hint
       integer :: at
 
       text = line_text(deck, line)
       label = 'expected: '//meaning
+      hint = ''
+      if (index(text, ',') > 0) hint = 'a comma makes the line free format: its fields are cut '// &
+         'at commas, and a decimal point is a point'
       if (text(first:first) == '&') then
          call say(SEV_ERROR, 'KJ-9015', name//' is a parameter, and parameters are not supported')
          return
@@ -96,7 +99,8 @@ contains
          integer, intent(in) :: severity
          character(len=*), intent(in) :: id, message
 
-         call add_deck_finding(deck, line, first, last, severity, id, message, label, findings)
+         call add_deck_finding(deck, line, first, last, severity, id, message, label, findings, &
+            hint)
       end subroutine say
    end subroutine report_number
 

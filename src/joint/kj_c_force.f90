@@ -6,7 +6,7 @@ module kj_c_force
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
-   use kj_joint_frame, only: BLOCK
+   use kj_joint_frame, only: BLOCK, turn_arm
    use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, &
       CHART_UNIVERSAL, N_B
    use kj_c_matrix, only: poses_t, rates, put_wrench, add_moment
@@ -245,26 +245,6 @@ contains
          m(i, 3) = m(i, 3) + sign*(a(i, 1)*f(i, 2) - a(i, 2)*f(i, 1))
       end do
    end subroutine add_lever
-
-   !> b = a turned by the quaternion q
-   pure subroutine turn_arm(n, q, a, b)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: q(BLOCK, 4), a(BLOCK, 3)
-      real(wp), intent(out) :: b(BLOCK, 3)
-
-      real(wp) :: t1, t2, t3
-      integer :: i
-
-      !$omp simd private(t1, t2, t3)
-      do i = 1, n
-         t1 = 2.0_wp*(q(i, 3)*a(i, 3) - q(i, 4)*a(i, 2))
-         t2 = 2.0_wp*(q(i, 4)*a(i, 1) - q(i, 2)*a(i, 3))
-         t3 = 2.0_wp*(q(i, 2)*a(i, 2) - q(i, 3)*a(i, 1))
-         b(i, 1) = a(i, 1) + q(i, 1)*t1 + (q(i, 3)*t3 - q(i, 4)*t2)
-         b(i, 2) = a(i, 2) + q(i, 1)*t2 + (q(i, 4)*t1 - q(i, 2)*t3)
-         b(i, 3) = a(i, 3) + q(i, 1)*t3 + (q(i, 2)*t2 - q(i, 3)*t1)
-      end do
-   end subroutine turn_arm
 
    !> Elastic force of one dof
    pure subroutine spring(batch, curves, from, n, dof, q, f)

@@ -6,7 +6,7 @@ module kj_joint_frame
    implicit none
    private
 
-   public :: turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross
+   public :: turn_arm, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross
 
    integer, parameter, public :: BLOCK = 64    !! joints a kernel works on at a time
 
@@ -149,5 +149,25 @@ contains
          c(i, 3) = c(i, 3) + factor*(a(i, 1)*b(i, 2) - a(i, 2)*b(i, 1))
       end do
    end subroutine add_cross
+
+   !> b = a turned by the quaternion q
+   pure subroutine turn_arm(n, q, a, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: q(BLOCK, 4), a(BLOCK, 3)
+      real(wp), intent(out) :: b(BLOCK, 3)
+
+      real(wp) :: t1, t2, t3
+      integer :: i
+
+      !$omp simd private(t1, t2, t3)
+      do i = 1, n
+         t1 = 2.0_wp*(q(i, 3)*a(i, 3) - q(i, 4)*a(i, 2))
+         t2 = 2.0_wp*(q(i, 4)*a(i, 1) - q(i, 2)*a(i, 3))
+         t3 = 2.0_wp*(q(i, 2)*a(i, 2) - q(i, 3)*a(i, 1))
+         b(i, 1) = a(i, 1) + q(i, 1)*t1 + (q(i, 3)*t3 - q(i, 4)*t2)
+         b(i, 2) = a(i, 2) + q(i, 1)*t2 + (q(i, 4)*t1 - q(i, 2)*t3)
+         b(i, 3) = a(i, 3) + q(i, 1)*t3 + (q(i, 2)*t2 - q(i, 3)*t1)
+      end do
+   end subroutine turn_arm
 
 end module kj_joint_frame

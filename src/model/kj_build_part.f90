@@ -29,7 +29,12 @@ contains
          blocks_of(deck, KW_SPRING4), blocks_of(deck, KW_SPRING8)]
       call report_double_blocks(deck, draft%property_block, 'property', findings)
       call block_lookup(deck, draft%property_block, draft%property)
-      materials = [blocks_of(deck, KW_MAT_VOID), other_materials(deck)]
+      materials = blocks_of(deck, KW_MAT_VOID)
+      do i = 1, size(materials)   ! their card is optional and used for nothing, but is of numbers
+         if (deck%block(materials(i))%last > deck%block(materials(i))%first) &
+            call read_cards(deck, materials(i), cards, findings)
+      end do
+      materials = [materials, other_materials(deck)]
       call block_lookup(deck, materials, material)
       draft%part_block = blocks_of(deck, KW_PART)
       call block_lookup(deck, draft%part_block, draft%part)
@@ -102,6 +107,7 @@ contains
             end do
          end do
          call new_lookup(id, e%id)
+         call new_lookup(e%part, e%of_part)
          do i = 2, e%n
             if (e%id%id(i) /= e%id%id(i - 1)) cycle
             n = e%id%place(i)

@@ -5,7 +5,7 @@ module kj_draft
    use kj_error, only: finding_list_t, str, SEV_ERROR
    use kj_sort, only: lookup_t, new_lookup, find
    use kj_keywords, only: keywords, OUT_OF_SCOPE
-   use kj_deck_data, only: deck_t, line_text
+   use kj_deck_data, only: deck_t, line_text, place_of
    use kj_cards, only: cards_t, rows_t, int_of, report, report_header
    use kj_curve, only: curve_set_t
    use kj_model, only: skew_set_t
@@ -34,6 +34,7 @@ module kj_draft
       integer, allocatable :: part(:)            !! (n) place of the part, 0 = not defined
       integer, allocatable :: node(:, :)         !! (2, n) raw node indices, 0 = not defined
       type(lookup_t) :: id                       !! of the elements
+      type(lookup_t) :: of_part                  !! elements by the place of their part
    end type elements_t
 
    !> Everything in deck order; node indices are "raw": places in the deck
@@ -105,13 +106,16 @@ contains
       type(finding_list_t), intent(inout) :: findings
 
       type(lookup_t) :: lookup
-      integer :: i
+      character(len=:), allocatable :: file
+      integer :: i, number
 
       call block_lookup(deck, blocks, lookup)
       do i = 2, size(blocks)
          if (lookup%id(i) /= lookup%id(i - 1)) cycle
+         call place_of(deck, deck%block(blocks(lookup%place(i - 1)))%header, file, number)
          call report_header(deck, blocks(lookup%place(i)), SEV_ERROR, 'KJ-0079', &
-            what//' '//str(lookup%id(i))//' is defined twice', 'used before', findings)
+            what//' '//str(lookup%id(i))//' is defined twice', 'used before', findings, &
+            hint='before: '//file//':'//str(number))
       end do
    end subroutine report_double_blocks
 

@@ -119,20 +119,16 @@ contains
       integer, intent(in) :: first, last
       type(node_list_t), intent(inout) :: list
 
-      integer :: i, from, to, part
+      integer :: i, k
 
-      from = lower_bound(draft%part, first)
-      to = from - 1
-      do while (to < size(draft%part%id))
-         if (draft%part%id(to + 1) > last) exit
-         to = to + 1
-      end do
-      if (to < from) return
-      do i = 1, draft%elements%n
-         part = draft%elements%part(i)
-         if (part == 0) cycle
-         if (all(draft%part%place(from:to) /= part)) cycle
-         call add_ends(draft, i, list)
+      do k = lower_bound(draft%part, first), size(draft%part%id)
+         if (draft%part%id(k) > last) return
+         associate (part => draft%part%place(k), elements => draft%elements%of_part)
+            do i = lower_bound(elements, part), size(elements%id)
+               if (elements%id(i) > part) exit
+               call add_ends(draft, elements%place(i), list)
+            end do
+         end associate
       end do
    end subroutine add_parts
 

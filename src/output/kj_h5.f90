@@ -13,7 +13,8 @@ module kj_h5
       h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, h5screate_f, &
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
       h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
-      h5pset_attr_creation_order_f, h5pset_obj_track_times_f, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, &
+      h5pset_attr_creation_order_f, h5pset_attr_phase_change_f, h5pset_link_phase_change_f, &
+      h5pset_obj_track_times_f, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, &
       H5F_CLOSE_STRONG_F, H5F_LIBVER_EARLIEST_F, H5F_LIBVER_V18_F, H5F_SCOPE_GLOBAL_F, &
       H5P_FILE_CREATE_F, H5P_FILE_ACCESS_F, H5P_GROUP_CREATE_F, H5P_CRT_ORDER_TRACKED_F, &
       H5P_CRT_ORDER_INDEXED_F, H5S_SCALAR_F, H5T_STRING, H5T_CSET_UTF8_F, H5T_NATIVE_DOUBLE, &
@@ -29,6 +30,8 @@ module kj_h5
    public :: create_group, close_object, has_link, link_to
    public :: put_text, put_texts, put_number, put_numbers
    public :: check, start_object, file_type, make_space, utf8_type, c_texts   ! for kj_h5_*
+
+   integer, parameter :: MOST_INLINE = 64    !! attributes or links kept in an object's header
 
 contains
 
@@ -82,6 +85,7 @@ contains
       access = -1
       call start_object(H5P_FILE_CREATE_F, creation, status)
       if (status >= 0) call h5pset_link_creation_order_f(creation, order_flags(), status)
+      if (status >= 0) call h5pset_link_phase_change_f(creation, MOST_INLINE, MOST_INLINE/2, status)
       if (status >= 0) call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
       if (status >= 0) call h5pset_libver_bounds_f(access, H5F_LIBVER_EARLIEST_F, &
          H5F_LIBVER_V18_F, status)
@@ -146,6 +150,8 @@ contains
       call h5pcreate_f(class, plist, status)
       if (status >= 0) call h5pset_attr_creation_order_f(plist, order_flags(), status)
       if (status >= 0) call h5pset_obj_track_times_f(plist, .false., status)
+      ! in the object header itself: indexed storage costs more than all else of a small file
+      if (status >= 0) call h5pset_attr_phase_change_f(plist, MOST_INLINE, MOST_INLINE/2, status)
    end subroutine start_object
 
    !> Track and index the order of creation
@@ -167,6 +173,7 @@ contains
       if (allocated(error)) return
       call start_object(H5P_GROUP_CREATE_F, plist, status)
       if (status >= 0) call h5pset_link_creation_order_f(plist, order_flags(), status)
+      if (status >= 0) call h5pset_link_phase_change_f(plist, MOST_INLINE, MOST_INLINE/2, status)
       if (status >= 0) call h5gcreate_f(parent, name, group, status, gcpl_id=plist)
       if (plist > 0) call h5pclose_f(plist, ignored)
       call check(status, 'create the group '//name, error)

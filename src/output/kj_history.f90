@@ -29,6 +29,7 @@ module kj_history
       logical :: legacy = .true.                     !! formulation, decides @sampled_at
       logical :: single_precision = .false.          !! times and values came from 32-bit reals
       integer :: n_value = 0                         !! reals in a row
+      integer :: n_expected = 0                      !! rows that will come, about; 0 = not known
       type(variable_t), allocatable :: variable(:)   !! time first
       ! joints, ascending user id
       integer, allocatable :: joint_id(:), joint_type(:), joint_property(:)

@@ -43,7 +43,7 @@ module kj_sink_h5
       procedure :: close => close_h5
    end type sink_h5_t
 
-   integer, parameter :: MOST_CHUNK_ROWS = 1024                !! a power of two
+   integer, parameter :: MOST_CHUNK_ROWS = 1024, LEAST_CHUNK_ROWS = 16   !! powers of two
    integer, parameter :: MOST_BUFFER_BYTES = 4*1024*1024
    real(wp), parameter :: FLUSH_SECONDS = 2.0_wp
    character(len=*), parameter :: GROWING = '.part'    !! ends the name of a file that is new
@@ -78,6 +78,11 @@ contains
       do while (n_chunk > 1 .and. n_chunk > MOST_BUFFER_BYTES/(8*max(1, history%n_value)))
          n_chunk = n_chunk/2
       end do
+      if (history%n_expected > 0) then
+         do while (n_chunk > LEAST_CHUNK_ROWS .and. n_chunk/2 >= history%n_expected)
+            n_chunk = n_chunk/2
+         end do
+      end if
       if (allocated(self%series)) deallocate (self%series, self%variable, self%buffer)
       allocate (self%series(size(history%variable)), self%buffer(history%n_value, n_chunk))
       self%variable = history%variable

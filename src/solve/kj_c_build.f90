@@ -142,6 +142,8 @@ contains
 
          integer :: at
 
+         ! a node without inertia does not turn at all
+         if (new%dir > 3 .and. .not. model%inertia(lead) > 0.0_wp) return
          if (c%hold_of(lead) == 0) then
             n = n + 1
             c%hold_of(lead) = n

@@ -119,7 +119,9 @@ contains
          associate (hold => c%hold(i))
             lead = hold%lead
             call rows_of(state, hold%trans(:hold%n_trans), target, active, b, u, drives, n)
-            if (n > 0) then
+            if (n == 3 .and. .not. any(drives)) then
+               state%v(lead, :) = 0.0_wp
+            else if (n > 0) then
                call drive(n, b, u, drives, part, before(1:3, i), unit_inverse(1.0_wp), &
                   state%v(lead, :), power)
                state%work = state%work + model%mass(lead)*power

@@ -286,9 +286,32 @@ def knee(run, claims):
                 (np.where(gap < 0.0, 3, 0) == state[:, 3:]).all())
 
 
+def spring_mount(run, claims):
+    k, c, m, rotor = 10000.0, 80.0, 10.0, 6.0
+    sag, delta = m * G / k, 0.5 * c / m
+    p = np.sqrt(k / m - delta**2)
+    decay = np.exp(-delta * run.t)
+    z = -sag * (1.0 - decay * (np.cos(p * run.t) + delta / p * np.sin(p * run.t)))
+    v = -sag * decay * (p + delta**2 / p) * np.sin(p * run.t)
+    a = -(k * z + c * v) / m - G
+    claims.near("rest of the block [m]", sag, 0.00981, 1e-12)
+    claims.near("block [m]", run.body("block", "position")[:, 2], z, 2e-5)
+    # the rotor rings in its bearing at first, as it is let go all at once
+    load = np.linalg.norm(run.joint("bearing", "force"), axis=1)
+    claims.near("load of the bearing [N]", load[run.t > 0.3], rotor * (G + a[run.t > 0.3]), 0.3)
+    claims.near("load at the end [N]", load[-1], rotor * (G + a[-1]), 0.1)
+    struts = [i for i, name in enumerate(run.labels("spring")) if name == "struts"]
+    pull = run["spring/force"][:, struts, 0]
+    claims.near("pull of each strut [N]", pull, -0.25 * np.tile((k * z + c * v)[:, None], 4), 0.1)
+    # the bearing gives way by 9e-6 m; as the rotor turns, the damping there takes a little
+    claims.near("the bushing holds nothing [N]", run["spring/force"][:, 4], 0.0, 1e-3)
+    claims.near("speed of the rotor [rad/s]", run.body("rotor", "angular_velocity"),
+                [0.0, 50.0, 0.0], 2e-5)
+
+
 CHECKS = (slider_crank, spherical_pendulum, revolute_pendulum, cylindrical_nut, planar_puck,
           universal_shaft, translational_slider, oldham_coupling, rigid_weld, free_bushing,
-          door_hinge, knee)
+          door_hinge, knee, spring_mount)
 
 
 def check_run(outcome, run, formulation, deck, claims):
