@@ -5,7 +5,7 @@ module kj_sample
    use kj_error, only: error_t, fail, str, ERR_INTERNAL
    use kj_math3, only: cross, to_quaternion, turn_between
    use kj_curve, only: curve_integral
-   use kj_joint_types, only: joint_types, FRAME_CROSS
+   use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, SPRING8, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
    use kj_joint_stop, only: has_limits
    use kj_model, only: model_t
