@@ -1,10 +1,9 @@
 !> Shorter steps where a stop is met and where friction begins.
 !>
 !> A stop that begins or ends within a step errs by up to (w h)^2/4 of the energy of the impact, w
-!> the
-!> frequency of the stop; a step near the stable limit, w h = 1.8, would make bounces of any height.
-!> So before a stop is reached the step falls to w h = FINE, and stays there until the impact is
-!> over.
+!> the frequency of the stop; a step near the stable limit, w h = 1.8, would make bounces of any
+!> height. So before a stop is reached the step falls to w h = FINE, and stays there until the
+!> impact is over.
 !>
 !> Friction that goes from rest to its limit within one step misses half a step of its force. So as
 !> long as its spring would be wound up in less than two steps, that takes WINDUP of them.
