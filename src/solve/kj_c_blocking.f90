@@ -14,6 +14,7 @@ module kj_c_blocking
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_build, only: build_c_model, new_c_state
    use kj_c_bound, only: bound_t, new_bound
+   use kj_c_contact, only: step_factor
    implicit none
    private
 
@@ -84,7 +85,7 @@ contains
       type(bound_t) :: bound
 
       call new_bound(model, c, explicit, state, bound)
-      h = model%control%dt_factor*min(bound%h, 1.0e30_wp)
+      h = step_factor(model)*min(bound%h, 1.0e30_wp)
    end function step_of
 
    !> The largest frequency whose step is not below the wanted one, by bisection of its logarithm
@@ -99,7 +100,7 @@ contains
       real(wp) :: low, high, middle
       integer :: i
 
-      high = 2.0_wp*model%control%dt_factor/wanted   ! one free direction alone
+      high = 2.0_wp*step_factor(model)/wanted   ! one free direction alone
       low = 1.0e-3_wp*high
       do i = 1, HALVINGS
          middle = sqrt(low*high)
