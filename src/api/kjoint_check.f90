@@ -5,6 +5,7 @@ submodule (kjoint) kjoint_check
    use kj_joint_stop, only: has_friction
    use kj_curve, only: curve_set_t, law_value
    use kj_c_blocking, only: start_scene
+   use kj_c_contact, only: step_factor
    use kj_c_bound, only: bound_t, new_bound
    use kj_c_limits, only: nodal_bound, exact_bound
    implicit none
@@ -22,6 +23,7 @@ contains
       call tell_stops(sim%model, report)
       call tell_bodies(sim%model, report)
       call tell_limits(sim%model, report)
+      if (.not. sim%legacy) report%factor = step_factor(sim%model)
    end procedure check_simulation
 
    !> Type, ends, frame, length, stiffness and damping of each joint

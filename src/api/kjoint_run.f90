@@ -9,6 +9,7 @@ submodule (kjoint) kjoint_run
    use kj_energy, only: balance_t, balance_of
    use kj_sample, only: sample_row
    use kj_c_blocking, only: start_scene
+   use kj_c_contact, only: step_factor
    use kj_c_advance, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, RKMK4
    use kj_c_publish, only: publish
    implicit none
@@ -152,7 +153,7 @@ contains
       if (sim%options%integrator == 'liemid') sim%march%integrator = LIEMID
       if (sim%options%integrator == 'rkmk4') sim%march%integrator = RKMK4
       sim%march%nodal = sim%options%dt_rule == 'nodal'
-      sim%march%factor = sim%model%control%dt_factor
+      sim%march%factor = step_factor(sim%model)
       sim%march%most = sim%model%control%dt_max
       if (sim%model%control%dt_ini > 0.0_wp) sim%march%first = sim%model%control%dt_ini
       call start_march(sim%model, sim%c_model, sim%c_state, sim%march)

@@ -15,7 +15,7 @@ module kj_c_limit
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: DOF_FREE, DOF_AT_STOP, DOF_LOCKED, DOF_BLOCKED
    use kj_joint_frame, only: BLOCK
-   use kj_joint_stop, only: plain_overlap, has_friction
+   use kj_joint_stop, only: has_friction
    use kj_c_batch, only: c_batch_t, c_joint_t
    use kj_c_friction, only: rub
    implicit none
@@ -72,24 +72,26 @@ contains
       type(c_joint_t), intent(inout) :: joint
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
-      real(wp) :: over(BLOCK), direction(BLOCK), k
-      logical :: close(BLOCK)
-      integer :: i, j, dof, to
+      real(wp) :: over, k
+      integer :: i, j, dof
 
-      to = from + n - 1
       do dof = 1, NDOF
          if (joint_types(batch%row)%free(dof) == 0) cycle
-         call plain_overlap(n, q(:, dof), batch%limit%lo(from:to, dof), &
-            batch%limit%hi(from:to, dof), over, direction, close)
          do i = 1, n
             j = from + i - 1
-            if (batch%limit%combined(j, dof) > 0.0_wp .or. .not. abs(over(i)) > 0.0_wp) cycle
+            if (batch%limit%combined(j, dof) > 0.0_wp) cycle
+            over = 0.0_wp
+            associate (lo => batch%limit%lo(j, dof), hi => batch%limit%hi(j, dof))
+               if (hi > 0.0_wp) over = max(0.0_wp, q(i, dof) - hi)
+               if (lo < 0.0_wp .and. q(i, dof) < lo) over = q(i, dof) - lo
+            end associate
+            if (.not. abs(over) > 0.0_wp) cycle
             k = stop_stiffness(batch, j, dof)
-            f(i, dof) = f(i, dof) + k*over(i)
-            joint%stored(j) = joint%stored(j) + 0.5_wp*k*over(i)**2
+            f(i, dof) = f(i, dof) + k*over
+            joint%stored(j) = joint%stored(j) + 0.5_wp*k*over**2
             joint%flag(j, dof) = DOF_AT_STOP
             joint%c_limit(j, dof) = joint%c_limit(j, dof) + stop_damping(batch, h, j, dof, k, &
-               abs(over(i)), q(i, dof) - before(i, dof))
+               abs(over), q(i, dof) - before(i, dof))
          end do
       end do
    end subroutine stop_plain

@@ -5,7 +5,7 @@ module kj_sample
    use kj_error, only: error_t, fail, str, ERR_INTERNAL
    use kj_math3, only: cross, to_quaternion, turn_between
    use kj_curve, only: curve_integral
-   use kj_joint_types, only: joint_types, FRAME_CROSS
+   use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, SPRING8, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
    use kj_joint_stop, only: has_limits
    use kj_model, only: model_t
@@ -223,10 +223,9 @@ contains
                y = merge(real(DOF_FREE, wp), real(DOF_BLOCKED, wp), free == 1)
                if (allocated(s%flag)) y = real(s%flag(j, :), wp)
             case (CH_J_FRICTION); if (allocated(s%slip_energy)) y = s%slip_energy(j)
-            case (CH_J_GAP)
-               y = gaps(model%batch(ref%batch), state%staggered, j, s%q(j, :), 1, 3)
-            case (CH_J_GAP_ROT)
-               y = gaps(model%batch(ref%batch), state%staggered, j, s%q(j, :), 4, 6)
+            case (CH_J_GAP, CH_J_GAP_ROT)
+               y = gaps(model%batch(ref%batch), state%staggered, j, s%q(j, :), &
+                  merge(1, 4, v%channel == CH_J_GAP))
             end select
          end associate
       end associate
@@ -254,36 +253,29 @@ contains
       end associate
    end function spring_value
 
-   !> How far directions first..last are from their nearest stop; negative beyond it. Combined stops
-   !> have one radius, the least of theirs, but each its own under legacy.
-   pure function gaps(batch, legacy, j, q, first, last) result(gap)
+   !> How far three directions are from their nearest stop; negative beyond it. Combined stops have
+   !> one radius, the least of theirs, but each its own under legacy.
+   pure function gaps(batch, legacy, j, q, first) result(gap)
       type(joint_batch_t), intent(in) :: batch
       logical, intent(in) :: legacy
-      integer, intent(in) :: j, first, last
-      real(wp), intent(in) :: q(:)
-      real(wp) :: gap(first:last)
+      integer, intent(in) :: j, first            !! joint of the batch; 1 or 4
+      real(wp), intent(in) :: q(NDOF)
+      real(wp) :: gap(3)
 
-      real(wp) :: reach
-      integer :: dof
+      real(wp), dimension(3) :: lo, hi, x
+      logical :: combined(3)
 
       gap = ieee_value(1.0_wp, ieee_quiet_nan)
       if (.not. batch%limited) return
-      associate (lo => batch%limit%lo(j, :), hi => batch%limit%hi(j, :), &
-         combined => batch%limit%combined(j, :))
-         reach = norm2(combined(first:last)* &
-            (q(first:last) - 0.5_wp*(lo(first:last) + hi(first:last))))
-         do dof = first, last
-            if (combined(dof) > 0.0_wp) then
-               gap(dof) = 0.5_wp*(hi(dof) - lo(dof)) - reach
-            else if (hi(dof) > 0.0_wp .or. lo(dof) < 0.0_wp) then
-               gap(dof) = huge(1.0_wp)
-               if (hi(dof) > 0.0_wp) gap(dof) = hi(dof) - q(dof)
-               if (lo(dof) < 0.0_wp) gap(dof) = min(gap(dof), q(dof) - lo(dof))
-            end if
-         end do
-         if (.not. legacy) where (combined(first:last) > 0.0_wp) gap = &
-            minval(gap, mask=combined(first:last) > 0.0_wp)
-      end associate
+      lo = batch%limit%lo(j, first:first + 2)
+      hi = batch%limit%hi(j, first:first + 2)
+      x = q(first:first + 2)
+      combined = batch%limit%combined(j, first:first + 2) > 0.0_wp
+      where (hi > 0.0_wp) gap = hi - x
+      where (lo < 0.0_wp) gap = merge(min(gap, x - lo), x - lo, hi > 0.0_wp)
+      if (.not. any(combined)) return
+      where (combined) gap = 0.5_wp*(hi - lo) - norm2(pack(x - 0.5_wp*(lo + hi), combined))
+      if (.not. legacy) where (combined) gap = minval(gap, mask=combined)
    end function gaps
 
    !> Energy stored in the elastic laws of a joint: k q^2/2, or the integral of its curve; with

@@ -3,9 +3,8 @@
 !>
 !> Rule: all blocked directions of such a joint get the same frequency, K = w^2 m with m their
 !> effective mass or inertia, and w is as high as the wanted step allows: factor times the safe
-!> bound
-!> of the scene is the largest step of the deck (/DTIX), or, where the rest of the scene asks for
-!> less, nine tenths of what that asks for. Then SCF scales the result.
+!> bound of the scene is the largest step of the deck (/DTIX), or, where the rest of the scene asks
+!> for less, nine tenths of what that asks for. Then SCF scales the result.
 module kj_c_blocking
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
@@ -15,6 +14,7 @@ module kj_c_blocking
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_build, only: build_c_model, new_c_state
    use kj_c_bound, only: bound_t, new_bound
+   use kj_c_contact, only: step_factor
    implicit none
    private
 
@@ -85,7 +85,7 @@ contains
       type(bound_t) :: bound
 
       call new_bound(model, c, explicit, state, bound)
-      h = model%control%dt_factor*min(bound%h, 1.0e30_wp)
+      h = step_factor(model)*min(bound%h, 1.0e30_wp)
    end function step_of
 
    !> The largest frequency whose step is not below the wanted one, by bisection of its logarithm
@@ -100,7 +100,7 @@ contains
       real(wp) :: low, high, middle
       integer :: i
 
-      high = 2.0_wp*model%control%dt_factor/wanted   ! one free direction alone
+      high = 2.0_wp*step_factor(model)/wanted   ! one free direction alone
       low = 1.0e-3_wp*high
       do i = 1, HALVINGS
          middle = sqrt(low*high)
@@ -115,8 +115,7 @@ contains
    end subroutine find_stiffness
 
    !> K = w^2 m of the blocked directions of all automatic joints, and their damping; stops and
-   !> locks
-   !> without a stiffness of their own get the largest
+   !> locks without a stiffness of their own get the largest
    subroutine set_stiffness(model, omega, c)
       type(model_t), intent(in) :: model
       real(wp), intent(in) :: omega

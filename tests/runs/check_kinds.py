@@ -212,6 +212,20 @@ def kinds(scene):
             check(f"{name}: legacy stays finite", float(not finite), 0.0)
 
 
+def ringing(scene):
+    """Joints that are thrown together with ends that do not fit, hardly damped: their blocked directions ring on
+    and on. Steps that change for stops or friction must not pump that: at 0.5 of the limit the plain sum of
+    energies is off by (w h)^2/4 = 1/4 of the ringing at most, which has less than a third of the energy."""
+    ground = Body(velocity=(1.2, -0.3, 0.4), spin=(0.8, -1.6, 0.5), centre=(0.2, 0.1, -0.15), mass=80.0, inertia=0.5)
+    body = Body(velocity=(1.8, 2.0, -1.5), spin=(2.0, -3.0, 1.0), centre=(-0.1, 0.2, 0.1), mass=1.8, inertia=0.07)
+    dofs = [dof(low=-0.25, high=0.16), dof(stiffness=1.2e4, limit=0.1)]
+    file = scene.run("ringing", starter([body], joint(CYLINDRICAL, dofs, kn=5e7, cr=1e-9), ground=ground,
+                                        apart=(0.03, -0.04, 0.02)), 0.5)
+    kinetic = file["kinetic_energy_trans"][:] + file["kinetic_energy_rot"][:]
+    check("ringing: no energy from nowhere", kinetic.max() / kinetic[0], 1.05)
+    check("ringing: friction acts [J]", -file["joint/friction_energy"][-1, 0], -0.01)
+
+
 def references(scene):
     """The reference decks of the legacy scheme. The ledger is exact for linear laws; what is left comes from
     frames that turn while the blocked directions ring, and falls with the square of the step: below 1e-4 at the
@@ -219,15 +233,18 @@ def references(scene):
     comes from nowhere: what is there never exceeds start and work."""
     for deck in sorted((SOURCE / "tests" / "parity45").glob("*/*_0000.rad")):
         name = deck.name[:-9]
-        errors = []
+        errors, steps = [], []
         for scale, sample in (("0.9", "0.002"), ("0.45", "0.001")):
             history = scene.work / f"{name}_{scale}.h5"
             done = scene.start(deck, history, ("--dt-scale", scale, "--sample", sample))
             if done.returncode != 0:
                 raise SystemExit(f"{name}: {done.stdout}")
-            errors.append(abs(h5py.File(history)["energy_error"][:]).max())
+            with h5py.File(history) as file:
+                errors.append(abs(file["energy_error"][:]).max())
+                steps.append(file["time_step"][:].max())
         check(f"{name}: ledger", errors[0], 1e-4)
-        check(f"{name}: ledger at half the step", errors[1], max(1e-6, 0.5 * errors[0]))
+        if steps[1] < 0.6 * steps[0]:          # an automatic stiffness keeps the step as it is
+            check(f"{name}: ledger at half the step", errors[1], max(1e-6, 0.5 * errors[0]))
         file = h5py.File(history)
         kinetic = file["kinetic_energy_trans"][:] + file["kinetic_energy_rot"][:]
         stored = kinetic + file["joint/elastic_energy"][:].sum(axis=1) + file["potential_energy"][:]
@@ -240,7 +257,7 @@ def references(scene):
 
 
 CHECKS = (friction_angle, friction_ball, stop_liemid, damped_stop, whirl, two_stops, order_of_joints, order, kinds,
-          references)
+          ringing, references)
 
 
 def main(kjoint, work):
