@@ -9,7 +9,7 @@ module kj_c_api_base
    implicit none
    private
 
-   public :: joints_box_t, model_box_t, find_joints, find_model, outcome, refuse, text_of, &
+   public :: joints_box_t, model_box_t, find_joints, find_model, outcome, refuse, get_text, &
       put_text, list_findings, fixed_text
    public :: c_joint_result_t, c_joint_result
 
@@ -85,29 +85,28 @@ contains
       message = text
    end function refuse
 
-   !> A C text; '' for a null pointer
-   function text_of(pointer) result(text)
+   !> A C text; '' for a null pointer. (No function: see str of kj_error.)
+   subroutine get_text(pointer, text)
       type(c_ptr), intent(in) :: pointer
-      character(len=:), allocatable :: text
+      character(len=:), allocatable, intent(out) :: text
 
       integer, parameter :: MOST = 100000
       character(kind=c_char), pointer :: letters(:)
       integer :: i, n
 
-      text = ''
-      if (.not. c_associated(pointer)) return
-      call c_f_pointer(pointer, letters, [MOST])
       n = 0
-      do while (n < MOST)
-         if (letters(n + 1) == c_null_char) exit
-         n = n + 1
-      end do
-      deallocate (text)
+      if (c_associated(pointer)) then
+         call c_f_pointer(pointer, letters, [MOST])
+         do while (n < MOST)
+            if (letters(n + 1) == c_null_char) exit
+            n = n + 1
+         end do
+      end if
       allocate (character(len=n) :: text)
       do i = 1, n
          text(i:i) = letters(i)
       end do
-   end function text_of
+   end subroutine get_text
 
    !> Text of a fixed C array
    pure function fixed_text(letters) result(text)
@@ -142,10 +141,10 @@ contains
    end subroutine put_text
 
    !> Findings of one severity and worse, or of less, a line each
-   function list_findings(findings, errors) result(text)
+   subroutine list_findings(findings, errors, text)
       type(finding_list_t), intent(in) :: findings
       logical, intent(in) :: errors              !! errors, else warnings
-      character(len=:), allocatable :: text
+      character(len=:), allocatable, intent(out) :: text
 
       integer :: i
 
@@ -160,7 +159,7 @@ contains
             text = text//f%message
          end associate
       end do
-   end function list_findings
+   end subroutine list_findings
 
    !> As C has it
    pure function c_joint_result(r) result(c)

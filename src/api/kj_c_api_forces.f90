@@ -171,7 +171,7 @@ contains
       call c_f_pointer(n, count)
       call joint_warnings(box%set, limit, findings)
       count = int(findings%n_warning, c_int)
-      box%message = list_findings(findings, .false.)
+      call list_findings(findings, .false., box%message)
       status = OK
    end function kj_joints_warnings
 

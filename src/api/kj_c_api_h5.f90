@@ -3,7 +3,7 @@ module kj_c_api_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int
    use kj_error, only: error_t, ERR_INPUT, ERR_FILE
    use kj_sink_h5, only: sink_h5_t
-   use kj_c_api_base, only: model_box_t, find_model, outcome, refuse, text_of
+   use kj_c_api_base, only: model_box_t, find_model, outcome, refuse, get_text
    implicit none
    private
 
@@ -28,7 +28,7 @@ contains
          status = refuse('there are no samples', box%message)
          return
       end if
-      sink%path = text_of(path)
+      call get_text(path, sink%path)
       sink%command_line = 'kj_model_write_history'
       call sink%open(box%samples%history, error)
       do i = 1, box%samples%n_row

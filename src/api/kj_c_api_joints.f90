@@ -7,7 +7,7 @@ module kj_c_api_joints
    use kj_element, only: joint_spec_t
    use kjoint, only: new_joint_set, add_joint_curve, add_joint, start_joints, take_joints
    use kj_c_api_base, only: joints_box_t, model_box_t, find_joints, find_model, outcome, refuse, &
-      text_of, put_text, OK, MARK_JOINTS
+      get_text, put_text, OK, MARK_JOINTS
    implicit none
    private
 
@@ -70,7 +70,8 @@ contains
       call c_f_pointer(joints, handle)
       handle = c_null_ptr
       allocate (box)
-      call new_joint_set(box%set, text_of(formulation), int(n_node), error)
+      call get_text(formulation, text)
+      call new_joint_set(box%set, text, int(n_node), error)
       status = outcome(error, text)
       call put_text(text, message, size)
       if (status /= OK) then

@@ -7,9 +7,9 @@ module kj_c_api_model
    use kj_error, only: error_t, ERR_INPUT
    use kj_history, only: history_t
    use kjoint, only: run_options_t, run_status_t, monitor_t, load_simulation, run_simulation, &
-      simulation_title, start_simulation, advance_simulation, step_simulation, simulation_status, &
+      start_simulation, advance_simulation, step_simulation, simulation_status, &
       simulation_history, sample_simulation
-   use kj_c_api_base, only: model_box_t, find_model, outcome, refuse, text_of, fixed_text, &
+   use kj_c_api_base, only: model_box_t, find_model, outcome, refuse, get_text, fixed_text, &
       put_text, list_findings, OK, MARK_MODEL
    implicit none
    private
@@ -83,7 +83,7 @@ contains
       type(c_ptr), pointer :: handle
       type(run_options_t) :: chosen
       type(error_t), allocatable :: error
-      character(len=:), allocatable :: text
+      character(len=:), allocatable :: text, deck, controls
 
       text = ''
       status = ERR_INPUT
@@ -95,11 +95,13 @@ contains
       handle = c_null_ptr
       if (c_associated(options)) call take_options(options, chosen)
       allocate (box)
-      call load_simulation(box%sim, text_of(starter), text_of(engine), chosen, box%findings, error)
+      call get_text(starter, deck)
+      call get_text(engine, controls)
+      call load_simulation(box%sim, deck, controls, chosen, box%findings, error)
       status = outcome(error, text)
       if (status == OK .and. box%findings%n_error > 0) then
          status = ERR_INPUT
-         text = list_findings(box%findings, .true.)
+         call list_findings(box%findings, .true., text)
       end if
       call put_text(text, message, size)
       if (status /= OK) then
@@ -161,11 +163,13 @@ contains
       integer(c_size_t), value :: size
 
       type(model_box_t), pointer :: box
+      type(history_t) :: history
 
       status = ERR_INPUT
       call find_model(model, box)
       if (.not. associated(box)) return
-      call put_text(simulation_title(box%sim), buffer, size)
+      history = simulation_history(box%sim)
+      call put_text(history%title, buffer, size)
       status = OK
    end function kj_model_title
 
@@ -175,11 +179,13 @@ contains
       integer(c_size_t), value :: size
 
       type(model_box_t), pointer :: box
+      character(len=:), allocatable :: text
 
       status = ERR_INPUT
       call find_model(model, box)
       if (.not. associated(box)) return
-      call put_text(list_findings(box%findings, .false.), buffer, size)
+      call list_findings(box%findings, .false., text)
+      call put_text(text, buffer, size)
       status = OK
    end function kj_model_warnings
 

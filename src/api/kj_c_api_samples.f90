@@ -8,7 +8,7 @@ module kj_c_api_samples
    use kj_history, only: history_t, variable_t
    use kj_channels, only: channels, groups
    use kjoint, only: simulation_history
-   use kj_c_api_base, only: model_box_t, find_model, outcome, refuse, text_of, put_text, OK
+   use kj_c_api_base, only: model_box_t, find_model, outcome, refuse, get_text, put_text, OK
    implicit none
    private
 
@@ -29,24 +29,26 @@ contains
    !> Name of a variable as in the history file
    function name_of(v) result(name)
       type(variable_t), intent(in) :: v
-      character(len=:), allocatable :: name
+      character(len=40) :: name
 
       associate (c => channels(v%channel))
-         name = trim(c%name)
-         if (len_trim(groups(c%owner)%path) > 0) name = trim(groups(c%owner)%path)//'/'//name
+         name = c%name
+         if (len_trim(groups(c%owner)%path) > 0) name = trim(groups(c%owner)%path)//'/'//c%name
       end associate
    end function name_of
 
    !> A variable of the samples of a model. Errors: ERR_INPUT
-   subroutine find_variable(box, name, v, error)
+   subroutine find_variable(box, channel, v, error)
       type(model_box_t), intent(in) :: box
-      character(len=*), intent(in) :: name
+      type(c_ptr), intent(in) :: channel
       type(variable_t), intent(out) :: v
       type(error_t), allocatable, intent(out) :: error
 
       type(history_t) :: history
+      character(len=:), allocatable :: name
       integer :: i
 
+      call get_text(channel, name)
       history = simulation_history(box%sim)
       do i = 1, size(history%variable)
          v = history%variable(i)
@@ -69,9 +71,9 @@ contains
       call find_model(model, box)
       if (.not. associated(box)) return
       history = simulation_history(box%sim)
-      text = name_of(history%variable(1))
+      text = trim(name_of(history%variable(1)))
       do i = 2, ubound(history%variable, 1)
-         text = text//new_line('a')//name_of(history%variable(i))
+         text = text//new_line('a')//trim(name_of(history%variable(i)))
       end do
       call put_text(text, buffer, size)
       status = OK
@@ -94,7 +96,7 @@ contains
          status = refuse('n_row, n_entity or n_comp is null', box%message)
          return
       end if
-      call find_variable(box, text_of(channel), v, error)
+      call find_variable(box, channel, v, error)
       status = outcome(error, box%message)
       if (status /= OK) return
       call c_f_pointer(n_row, number)
@@ -119,7 +121,7 @@ contains
       status = ERR_INPUT
       call find_model(model, box)
       if (.not. associated(box)) return
-      call find_variable(box, text_of(channel), v, error)
+      call find_variable(box, channel, v, error)
       status = outcome(error, box%message)
       if (status /= OK) return
       width = v%n_entity*v%n_comp
@@ -146,7 +148,7 @@ contains
       status = ERR_INPUT
       call find_model(model, box)
       if (.not. associated(box)) return
-      call find_variable(box, text_of(channel), v, error)
+      call find_variable(box, channel, v, error)
       status = outcome(error, box%message)
       if (status /= OK) return
       history = simulation_history(box%sim)

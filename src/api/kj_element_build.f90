@@ -29,8 +29,8 @@ contains
    !> Errors: ERR_INPUT when the formulation is not 'legacy' or 'consistent', or n is negative.
    subroutine new_joint_set(set, formulation, n, error, by_component)
       type(joint_set_t), intent(out) :: set
-      !> legacy: frames follow nodes and angular velocities as in Radioss; consistent: they follow
-      !> the attitudes of the carriers
+      !> 'legacy' (frames follow nodes and angular velocities as in Radioss) or 'consistent' (they
+      !> follow the attitudes of the carriers)
       character(len=*), intent(in) :: formulation
       integer, intent(in) :: n                   !! nodes of the host
       type(error_t), allocatable, intent(out) :: error

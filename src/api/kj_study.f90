@@ -223,7 +223,7 @@ contains
          if (watcher%wants_stop()) call fail(error, ERR_RUN, 'the study was stopped')
       end if
       if (allocated(error)) return
-      study%title = simulation_title(sim)
+      study%title = trim(simulation_title(sim))
       study%reach = simulation_reach(sim)
       study%n_joint = status%n_joint
       study%n_body = status%n_body

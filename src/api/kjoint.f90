@@ -338,7 +338,7 @@ module kjoint
       !> Title of the deck
       module function simulation_title(sim) result(title)
          type(simulation_t), intent(in) :: sim
-         character(len=:), allocatable :: title
+         character(len=100) :: title
       end function simulation_title
 
       !> Largest distance of a node from the main node of its body, over bodies that are not held;

@@ -19,7 +19,7 @@ contains
       character(len=:), allocatable :: path
 
       sim%options = options
-      sim%root = root_of(starter)
+      sim%root = starter(:root_length(starter))
       call check_options(sim, error)
       if (allocated(error)) return
       call read_deck(starter, sim%deck, findings, options%ignore_unsupported)
@@ -27,7 +27,7 @@ contains
          controls%t_stop = options%until
       else
          path = engine
-         if (len(path) == 0) path = engine_path(starter)
+         if (len(path) == 0) path = starter(:root_length(starter))//'_0001.rad'   ! of the engine
          call read_engine(path, controls, sim%engine_source, findings, options%ignore_unsupported)
       end if
       if (.not. sim%deck%readable) return
@@ -235,25 +235,14 @@ contains
       end subroutine keep
    end subroutine keep_inputs
 
-   !> DECK_0000.rad -> DECK
-   pure function root_of(path) result(root)
+   !> DECK_0000.rad -> DECK: the length of the root
+   pure integer function root_length(path) result(n)
       character(len=*), intent(in) :: path
-      character(len=:), allocatable :: root
 
-      integer :: cut
-
-      cut = index(path, '_0000.rad', back=.true.)
-      if (cut == 0) cut = index(path, '.', back=.true.)
-      if (cut <= index(path, '/', back=.true.) + 1) cut = len(path) + 1
-      root = path(:cut - 1)
-   end function root_of
-
-   !> Name of the engine deck that belongs to a starter deck
-   pure function engine_path(starter) result(path)
-      character(len=*), intent(in) :: starter
-      character(len=:), allocatable :: path
-
-      path = root_of(starter)//'_0001.rad'
-   end function engine_path
+      n = index(path, '_0000.rad', back=.true.)
+      if (n == 0) n = index(path, '.', back=.true.)
+      if (n <= index(path, '/', back=.true.) + 1) n = len(path) + 1
+      n = n - 1
+   end function root_length
 
 end submodule kjoint_impl

@@ -3,7 +3,7 @@ module kj_error
    implicit none
    private
 
-   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, str
+   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, str, width_of
 
    integer, parameter, public :: ERR_RUN      = 1   !! the run left its valid range (NaN, dt -> 0)
    integer, parameter, public :: ERR_INPUT    = 2   !! the deck or the call is wrong
@@ -99,7 +99,7 @@ contains
       finding%severity = severity
       finding%id = id
       if (present(hint)) then
-         if (len(hint) > 0) finding%hint = hint
+         if (len_trim(hint) > 0) finding%hint = trim(hint)
       end if
       call add_finding(list, finding)
    end subroutine add_at
@@ -119,15 +119,29 @@ contains
       end do
    end subroutine first_error
 
-   !> Shortest decimal text of an integer
+   !> Characters in the decimal text of an integer
+   pure integer function width_of(i) result(n)
+      integer, intent(in) :: i
+
+      integer :: rest
+
+      n = merge(2, 1, i < 0)
+      rest = i/10
+      do while (rest /= 0)
+         n = n + 1
+         rest = rest/10
+      end do
+   end function width_of
+
+   !> Shortest decimal text of an integer.
+   !>
+   !> Its length is not deferred: gfortran keeps that of a deferred result in static memory, where
+   !> threads would meet.
    pure function str(i) result(text)
       integer, intent(in) :: i
-      character(len=:), allocatable :: text
+      character(len=width_of(i)) :: text
 
-      character(len=range(i) + 2) :: buffer
-
-      write (buffer, '(i0)') i
-      text = trim(buffer)
+      write (text, '(i0)') i
    end function str
 
 end module kj_error

@@ -64,11 +64,11 @@ contains
       end do
    end function factor_of
 
-   !> Unit of a dimension in UDUNITS form: "kg m s-2", "rad s-1", "1"
-   pure function unit_text(dim, units) result(text)
-      integer, intent(in) :: dim                       !! D_ constant
+   !> The same with blanks behind
+   pure function unit_field(dim, units) result(text)
+      integer, intent(in) :: dim
       type(unit_system_t), intent(in) :: units
-      character(len=:), allocatable :: text
+      character(len=80) :: text
 
       character(len=2) :: power
       integer :: i, e
@@ -78,13 +78,28 @@ contains
       do i = 1, 3
          e = dimensions(dim)%exponents(i)
          if (e == 0) cycle
-         if (len(text) > 0) text = text//' '
-         text = text//trim(units%symbol(i))
-         if (e == 1) cycle
-         write (power, '(i0)') e
-         text = text//trim(power)
+         power = ''
+         if (e /= 1) write (power, '(i0)') e
+         text = adjustl(trim(text)//' '//trim(units%symbol(i))//power)
       end do
-      if (len(text) == 0) text = '1'
+      if (len_trim(text) == 0) text = '1'
+   end function unit_field
+
+   !> Characters in the unit of a dimension
+   pure integer function unit_length(dim, units) result(n)
+      integer, intent(in) :: dim
+      type(unit_system_t), intent(in) :: units
+
+      n = len_trim(unit_field(dim, units))
+   end function unit_length
+
+   !> Unit of a dimension in UDUNITS form: "kg m s-2", "rad s-1", "1"
+   pure function unit_text(dim, units) result(text)
+      integer, intent(in) :: dim                       !! D_ constant
+      type(unit_system_t), intent(in) :: units
+      character(len=unit_length(dim, units)) :: text
+
+      text = unit_field(dim, units)
    end function unit_text
 
 end module kj_units

@@ -62,7 +62,7 @@ contains
       type(check_t), intent(in) :: report
       type(finding_list_t), intent(in) :: findings
 
-      call print_line(simulation_title(sim))
+      call print_line(trim(simulation_title(sim)))
       call print_line('   '//amount(size(report%joint) - report%n_spring, 'joint')//', '// &
          springs_text(report%n_spring)// &
          amount(size(report%body_id), 'rigid bod')//', '//amount(report%n_node, 'node')//' ('// &
@@ -282,7 +282,7 @@ contains
 
       call print_line('{'//json_member('exit_code', str(code)))
       if (well) then
-         call print_line(', '//json_member('title', json_text(simulation_title(sim)))// &
+         call print_line(', '//json_member('title', json_text(trim(simulation_title(sim))))// &
             ', '//json_member('nodes', str(report%n_node))// &
             ', '//json_member('free_nodes', str(report%n_free))// &
             ', '//json_member('functions', str(report%n_curve))// &

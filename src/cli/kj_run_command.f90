@@ -141,7 +141,7 @@ contains
       real(wp) :: started
       integer :: show
 
-      outcome%title = simulation_title(sim)
+      outcome%title = trim(simulation_title(sim))
       sink%path = default_output(sim)
       if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
       sink%reproducible = args%given(OPT_REPRODUCIBLE)

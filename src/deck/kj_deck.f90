@@ -189,7 +189,7 @@ contains
       do i = 1, deck%n_block
          if (deck%block(i)%unit_id == 0 .or. deck%block(i)%keyword == KW_UNIT) cycle
          if (any(deck%unit_id(:deck%n_unit) == deck%block(i)%unit_id)) cycle
-         known = id_list(deck%unit_id(:deck%n_unit))
+         known = trim(id_list(deck%unit_id(:deck%n_unit)))
          call report_header(deck, i, SEV_ERROR, 'KJ-0659', '/UNIT/'//str(deck%block(i)%unit_id)// &
             ' is not defined', 'the last number is the id of a /UNIT', findings, known)
       end do
@@ -219,16 +219,16 @@ contains
    !> "defined: 1, 2, 3" for a hint; at most ten ids
    pure function id_list(ids) result(text)
       integer, intent(in) :: ids(:)
-      character(len=:), allocatable :: text
+      character(len=160) :: text
 
       integer :: i
 
       text = 'none is defined'
       do i = 1, min(10, size(ids))
          if (i == 1) text = 'defined: '//str(ids(i))
-         if (i > 1) text = text//', '//str(ids(i))
+         if (i > 1) text = trim(text)//', '//str(ids(i))
       end do
-      if (size(ids) > 10) text = text//', ...'
+      if (size(ids) > 10) text = trim(text)//', ...'
    end function id_list
 
 end module kj_deck

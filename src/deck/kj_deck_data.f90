@@ -58,11 +58,21 @@ module kj_deck_data
 
 contains
 
+   !> Characters in a line, 0 for one that is not there
+   pure integer function line_length(deck, line) result(n)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line               !! index, 1 to n_line
+
+      n = 0
+      if (line >= 1 .and. line <= deck%n_line) &
+         n = max(0, deck%line_last(line) - deck%line_first(line) + 1)
+   end function line_length
+
    !> Text of a line; '' for line 0
    pure function line_text(deck, line) result(text)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: line               !! index, 1 to n_line
-      character(len=:), allocatable :: text
+      character(len=line_length(deck, line)) :: text
 
       text = ''
       if (line < 1 .or. line > deck%n_line) return
@@ -95,14 +105,29 @@ contains
       line = deck%block(block)%first
    end function title_line
 
+   !> Characters in the title of a block
+   pure integer function title_length(deck, block) result(n)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block              !! index, 1 to n_block
+
+      n = len_trim(adjustl(title_field(line_text(deck, title_line(deck, block)))))
+   end function title_length
+
+   !> What may hold the title: the first 100 columns
+   pure function title_field(text) result(field)
+      character(len=*), intent(in) :: text
+      character(len=min(100, len(text))) :: field
+
+      field = text
+   end function title_field
+
    !> Title of a block without the blanks around it; '' when it has none
    pure function title_of(deck, block) result(text)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: block              !! index, 1 to n_block
-      character(len=:), allocatable :: text
+      character(len=title_length(deck, block)) :: text
 
-      text = line_text(deck, title_line(deck, block))
-      text = trim(adjustl(text(:min(100, len(text)))))
+      text = adjustl(title_field(line_text(deck, title_line(deck, block))))
    end function title_of
 
    !> Units of the numbers in a block: the input units, or those of its /UNIT

@@ -159,7 +159,7 @@ contains
          if (severity /= SEV_ERROR) row = 0
          return
       end if
-      near = nearest_keyword(path)
+      near = trim(nearest_keyword(path))
       hint = ''
       if (len(near) > 0) hint = 'did you mean '//near//'?'
       if (index(path, ' ') > 0) then

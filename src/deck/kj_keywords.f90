@@ -230,7 +230,7 @@ contains
    !> The keyword a wrong header may stand for: '' when nothing is near
    pure function nearest_keyword(path) result(name)
       character(len=*), intent(in) :: path
-      character(len=:), allocatable :: name
+      character(len=len(keywords%name)) :: name
 
       integer :: row, distance, best
 
@@ -240,7 +240,7 @@ contains
          distance = edit_distance(upper(path), trim(keywords(row)%name))
          if (distance >= best) cycle
          best = distance
-         name = trim(keywords(row)%name)
+         name = keywords(row)%name
       end do
    end function nearest_keyword
 

@@ -264,17 +264,29 @@ contains
       if (k > 0) value = cards%integer_value(k)
    end function int_of
 
+   !> Characters in a text field
+   pure integer function text_length(cards, name) result(n)
+      type(cards_t), intent(in) :: cards
+      character(len=*), intent(in) :: name
+
+      integer :: k
+
+      n = 0
+      k = find(cards, name)
+      if (k > 0) n = len_trim(cards%text_value(k))
+   end function text_length
+
    !> Text field without the blanks around it; '' when it is blank, or not in the layout
    pure function text_of(cards, name) result(text)
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: name
-      character(len=:), allocatable :: text
+      character(len=text_length(cards, name)) :: text
 
       integer :: k
 
       text = ''
       k = find(cards, name)
-      if (k > 0) text = trim(cards%text_value(k))
+      if (k > 0) text = cards%text_value(k)
    end function text_of
 
    !> The field is in the layout of this block and not blank

@@ -79,7 +79,7 @@ contains
    !> Folder of a path with its slash; '' when it has none
    pure function folder_of(path) result(folder)
       character(len=*), intent(in) :: path
-      character(len=:), allocatable :: folder
+      character(len=index(path, '/', back=.true.)) :: folder
 
       folder = path(:index(path, '/', back=.true.))
    end function folder_of

@@ -72,7 +72,7 @@ contains
          dot = dot_product(draft%skews%axes(p%skew(1), 1:3), draft%skews%axes(p%skew(2), 1:3))
          if (dot > 1.0e-10_wp) call report(deck, cards, 'skew_2', SEV_ERROR, 'KJ-0389', &
             'the x axes of the two skews of a universal joint are not perpendicular: '// &
-            angle_text(dot)//' degrees', 'expected: 90 degrees to skew_1', findings)
+            trim(angle_text(dot))//' degrees', 'expected: 90 degrees to skew_1', findings)
          return
       end if
       if (int_of(cards, 'skew_flag') == 1) p%frame = FRAME_FIRST
@@ -87,12 +87,10 @@ contains
 
    function angle_text(cosine) result(text)
       real(wp), intent(in) :: cosine
-      character(len=:), allocatable :: text
+      character(len=12) :: text
 
-      character(len=12) :: buffer
-
-      write (buffer, '(f12.4)') acos(max(-1.0_wp, min(1.0_wp, cosine)))*45.0_wp/atan(1.0_wp)
-      text = trim(adjustl(buffer))
+      write (text, '(f12.4)') acos(max(-1.0_wp, min(1.0_wp, cosine)))*45.0_wp/atan(1.0_wp)
+      text = adjustl(text)
    end function angle_text
 
    !> Stiffness, damping and curves of the free dofs

@@ -121,7 +121,8 @@ contains
       allocate (model%th_node_name(n))
       do i = 1, n
          associate (object => th(block(order(i)))%object)
-            model%th_node_name(i)%s = name_on(line_text(deck, object%line(place(order(i)))))
+            model%th_node_name(i)%s = &
+               trim(name_on(line_text(deck, object%line(place(order(i))))))
          end associate
       end do
    end subroutine collect_nodes
@@ -151,7 +152,7 @@ contains
    !> Name of a node in its request: columns 21 to 100, or what follows the second comma
    pure function name_on(text) result(name)
       character(len=*), intent(in) :: text
-      character(len=:), allocatable :: name
+      character(len=len(text)) :: name
 
       integer :: comma, second
 

@@ -171,7 +171,7 @@ contains
    pure function known_ids(lookup, what) result(text)
       type(lookup_t), intent(in) :: lookup
       character(len=*), intent(in) :: what
-      character(len=:), allocatable :: text
+      character(len=160) :: text
 
       integer :: i
 
@@ -179,9 +179,9 @@ contains
       if (size(lookup%id) == 0) return
       text = 'defined:'
       do i = 1, min(12, size(lookup%id))
-         text = text//' '//str(lookup%id(i))
+         text = trim(text)//' '//str(lookup%id(i))
       end do
-      if (size(lookup%id) > 12) text = text//' ...'
+      if (size(lookup%id) > 12) text = trim(text)//' ...'
    end function known_ids
 
    !> Raw indices of the nodes of the group that a field names.

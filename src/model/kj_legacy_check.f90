@@ -32,7 +32,8 @@ contains
       do defect = FIRST_SKEW, RUBBING
          acts = [(acts_on(model, defect, j), j=1, model%n_joint)]
          if (.not. any(acts)) cycle
-         call warn(findings, ID(defect), joint_text(model, acts)//text_of(defect))
+         call warn(findings, ID(defect), trim(joint_text(model, acts))// &
+            trim(text_of(defect)))
       end do
       call warn_shared_curves(model, findings)
    end subroutine warn_legacy
@@ -40,7 +41,7 @@ contains
    !> What a defect does
    pure function text_of(defect) result(text)
       integer, intent(in) :: defect
-      character(len=:), allocatable :: text
+      character(len=200) :: text
 
       text = ''
       select case (defect)
@@ -125,7 +126,7 @@ contains
    pure function joint_text(model, acts) result(text)
       type(model_t), intent(in) :: model
       logical, intent(in) :: acts(:)             !! (n_joint)
-      character(len=:), allocatable :: text
+      character(len=80) :: text
 
       integer :: first
 

@@ -51,5 +51,5 @@ program embed
    call run_simulation(sim, sink, monitor, status, error)
    if (allocated(error)) error stop 3
    if (status%cycle < 10 .or. monitor%n_tick < 1) error stop 4
-   print '(2a,i0,a)', simulation_title(sim), ': ', status%cycle, ' cycles'
+   print '(2a,i0,a)', trim(simulation_title(sim)), ': ', status%cycle, ' cycles'
 end program embed

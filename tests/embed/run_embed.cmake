@@ -1,11 +1,40 @@
-# Install kjoint, build the host program against it, run that.
-# usage: cmake -D BUILD=... -D SOURCE=... -D WORK=... -D FLAGS=... -D DECK=... -P run_embed.cmake
+# Install kjoint into a fresh folder, build hosts and examples against it, and check its packages.
+# usage: cmake -D BUILD=... -D SOURCE=... -D WORK=... -D FLAGS=... -D GENERATOR=... -P run_embed.cmake
 file(REMOVE_RECURSE ${WORK})
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/embed -B ${WORK}/build -G ${GENERATOR}
-  -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release -DCMAKE_Fortran_FLAGS=${FLAGS})
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/embed ${DECK})
+foreach(name tests/embed examples)
+  cmake_path(GET name FILENAME short)
+  run(${CMAKE_COMMAND} -S ${SOURCE}/${name} -B ${WORK}/${short} -G ${GENERATOR}
+    -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_BUILD_TYPE=Release
+    "-DCMAKE_Fortran_FLAGS=${FLAGS}" "-DCMAKE_C_FLAGS=${FLAGS}")
+  run(${CMAKE_COMMAND} --build ${WORK}/${short})
+endforeach()
+
+# a project in C alone
+file(WRITE ${WORK}/c_alone/CMakeLists.txt [[
+cmake_minimum_required(VERSION 3.25)
+project(c_alone LANGUAGES C)
+find_package(kjoint 0.1 CONFIG REQUIRED COMPONENTS c)
+add_executable(c_host ${SOURCE}/examples/c_host.c)
+target_link_libraries(c_host PRIVATE kjoint::c m)
+]])
+run(${CMAKE_COMMAND} -S ${WORK}/c_alone -B ${WORK}/c_alone/build -G ${GENERATOR} -DSOURCE=${SOURCE}
+  -DCMAKE_PREFIX_PATH=${WORK}/prefix "-DCMAKE_C_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} --build ${WORK}/c_alone/build)
+
+# pkg-config
+find_program(pkg_config pkg-config)
+if(pkg_config AND FLAGS STREQUAL "")
+  file(GLOB_RECURSE pc ${WORK}/prefix/kjoint.pc)
+  cmake_path(GET pc PARENT_PATH pc_folder)
+  set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+  file(WRITE ${WORK}/pc.sh "set -e
+gfortran ${SOURCE}/examples/rigid_host.f90 -o ${WORK}/pc_fortran -J${WORK} \\
+  $(pkg-config --cflags kjoint) $(pkg-config --libs kjoint)
+cc ${SOURCE}/examples/c_host.c -o ${WORK}/pc_c $(pkg-config --cflags --libs kjoint-c) -lm
+")
+  run(sh ${WORK}/pc.sh)
+endif()

@@ -1,0 +1,217 @@
+#!/usr/bin/env python3
+"""The Python module on both levels. usage: test_python.py REV01_0000.rad UNI01_0000.rad"""
+import os
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+import kjoint
+
+REV01, UNI01 = sys.argv[1:3]
+LOA01 = REV01.replace("REV01", "LOA01")
+# inertia of body 2 of REV01 as its deck has it
+INERTIA = np.array([[0.026251216830485567, -7.9851351636942e-03, 0.010973497550995382],
+                    [-7.9851351636942e-03, 0.047342852654973957, 0.003125608415245281],
+                    [0.010973497550995382, 0.003125608415245281, 0.056405930519940466]])
+
+
+def matrix(q):
+    w, x, y, z = q
+    return np.array([[1 - 2*(y*y + z*z), 2*(x*y - w*z), 2*(x*z + w*y)],
+                     [2*(x*y + w*z), 1 - 2*(x*x + z*z), 2*(y*z - w*x)],
+                     [2*(x*z - w*y), 2*(y*z + w*x), 1 - 2*(x*x + y*y)]])
+
+
+def turned(phi, q):
+    angle = np.linalg.norm(phi)
+    p = np.r_[np.cos(angle/2), np.sinc(angle/2/np.pi)*phi/2]
+    return np.r_[p[0]*q[0] - p[1:] @ q[1:], p[0]*q[1:] + q[0]*p[1:] + np.cross(p[1:], q[1:])]
+
+
+def free_body():
+    m = kjoint.Mechanism("free")
+    body = m.body(2.0, (1, 1, 1), at=(1, 0, 0))
+    m.joint("free", m.ground(), body, at=(0, 0, 0))
+    return m.model(until=1.0, sample=0.1, dt_scale=0.5), body
+
+
+class Models(unittest.TestCase):
+    def test_stepping_gives_the_bits_of_a_run(self):
+        options = dict(until=0.02, sample=1e-3, formulation="legacy")
+        run = kjoint.Model(REV01, **options).run()
+        stepped = kjoint.Model(REV01, **options).start()
+        for i in range(20):
+            stepped.advance(i*1e-3)
+            stepped.sample()
+        for channel in ("time", "joint/force", "rigid_body/position", "external_work"):
+            np.testing.assert_array_equal(run[channel][:20], stepped[channel])
+
+    def test_a_constant_load_does_what_newton_says(self):
+        # v = F t/m = 3*0.5/2, x - x0 = F t^2/(2 m); leap-frog is exact here
+        model, body = free_body()
+        model.start()
+        model.set_body_load(body, force=(3, 0, 0))
+        model.advance(0.5)
+        model.sample()
+        state = model.body(body)
+        self.assertAlmostEqual(state.velocity[0], 0.75, 12)
+        self.assertAlmostEqual(state.position[0], 1.0 + 3*0.25/4, 12)
+        # all of it is external work: 0.5 m v^2
+        self.assertAlmostEqual(model.status.work, 0.5*2*0.75**2, 12)
+
+    def test_factor_of_a_load(self):
+        def pushed(factor):
+            model = kjoint.Model(LOA01, until=0.05, sample=0.01).start()
+            if factor is not None:
+                model.set_load_factor(11, factor)
+            model.advance(0.05)
+            return np.array(model.body(model.bodies[-1]).velocity)
+        np.testing.assert_array_equal(pushed(None), pushed(1.0))
+        self.assertGreater(np.linalg.norm(pushed(2.0) - pushed(1.0)), 1e-6)
+
+    def test_a_body_that_is_put_elsewhere_strains_its_joint(self):
+        # turned by 0.1 about the hinge of REV01: moment Krx*0.1 = 4 about x, nothing else
+        model = kjoint.Model(REV01, until=1.0, sample=0.1).start()
+        axis = np.array(model.joint(900).frame)[0]
+        turn = turned(0.1*axis, np.array([1.0, 0, 0, 0]))
+        model.set_body_velocity(2, (0, 0, 0))
+        model.set_body_pose(2, matrix(turn) @ model.body(2).position, turn)
+        joint = model.joint(900)
+        np.testing.assert_allclose(joint.displacement, [0, 0, 0, 0.1, 0, 0], atol=1e-12)
+        np.testing.assert_allclose(joint.force, [0, 0, 0, 4.0, 0, 0], atol=1e-6)
+
+    def test_a_locked_joint_stays(self):
+        m = kjoint.Mechanism("locked", gravity=(0, 0, -9.81))
+        bar = m.body(1.0, (0.01, 0.1, 0.1), at=(0.5, 0, 0))
+        m.joint("revolute", m.ground(), bar, at=(0, 0, 0), axis=(0, 1, 0),
+                stops={"rx": (-3, 3)})
+        model = m.model(until=1.0, sample=0.01).start()
+        model.advance(0.2)
+        model.lock_joint(1)
+        held = model.joint(1).displacement[3]
+        self.assertGreater(abs(held), 0.1)
+        model.advance(0.6)
+        self.assertLess(abs(model.joint(1).displacement[3] - held), 0.01)
+        model.lock_joint(1, False)
+        model.advance(0.8)
+        self.assertGreater(abs(model.joint(1).displacement[3] - held), 0.05)
+
+    def test_a_history_file(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("no h5py")
+        model = kjoint.Model(UNI01, until=0.01, sample=1e-3).run()
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "x.h5")
+            try:
+                model.write_history(path)
+            except kjoint.Error as error:
+                self.assertEqual(error.status, 3)
+                self.skipTest("built without HDF5")
+            with h5py.File(path) as file:
+                np.testing.assert_array_equal(file["joint/force"][:], model["joint/force"])
+
+    def test_a_run_is_watched_and_stopped(self):
+        seen = []
+        model = kjoint.Model(REV01, until=100.0, sample=1.0)
+        model.run(lambda status: seen.append(status.time) or len(seen) > 2)
+        self.assertLess(model.status.time, 100.0)
+        self.assertGreater(len(seen), 2)
+
+    def test_errors(self):
+        with self.assertRaisesRegex(kjoint.Error, "no formulation"):
+            kjoint.Model(REV01, formulation="fast")
+        with self.assertRaises(TypeError):
+            kjoint.Model(REV01, speed=3)
+        with self.assertRaises(kjoint.Error):
+            kjoint.Model("no_such_0000.rad")
+        model = kjoint.Model(REV01, until=0.1)
+        with self.assertRaisesRegex(kjoint.Error, "no channel"):
+            model["joint/farce"]
+        with self.assertRaisesRegex(ValueError, "not free"):
+            m = kjoint.Mechanism()
+            m.joint("revolute", m.ground(), m.body(1, (1, 1, 1), (1, 0, 0)), (0, 0, 0),
+                    k={"ty": 1.0})
+
+
+class Elements(unittest.TestCase):
+    def march(self, h, until, break_at=None):
+        """Body 2 of REV01 by a leap-frog in Python, its joint from the deck."""
+        model = kjoint.Model(REV01, until=1.0, sample=0.1).start()
+        joints = kjoint.Joints(2)
+        x = np.array([model.body(id).position for id in (1, 2)])
+        v, w = np.zeros((2, 3)), np.zeros((2, 3))
+        q = np.array([[1.0, 0, 0, 0]]*2)
+        v[1], w[1] = model.body(2).velocity, model.body(2).omega
+        joints.take(model, [100, 200], q)
+        for cycle in range(round(until/h)):
+            f, m = np.zeros((2, 3)), np.zeros((2, 3))
+            f[1, 2] = -9.81*2
+            joints.forces(cycle*h, h if cycle else 0.0, x, v, w, f, m, q)
+            kick = h if cycle else h/2
+            r = matrix(q[1])
+            j = r @ INERTIA @ r.T
+            v[1] += kick*f[1]/2
+            w[1] += kick*np.linalg.solve(j, m[1] - np.cross(w[1], j @ w[1]))
+            x[1] += h*v[1]
+            q[1] = turned(h*w[1], q[1])
+            if cycle == break_at:                 # save, spoil, restore
+                state = joints.state
+                spare = kjoint.Joints(2)
+                spare.take(model, [100, 200], np.array([[1.0, 0, 0, 0]]*2))
+                spare.state = state
+                joints = spare
+        return x[1], joints
+
+    def test_a_host_gives_what_the_model_gives(self):
+        until = 0.04
+        model = kjoint.Model(REV01, until=1.0, sample=0.1, dt_scale=0.1).start()
+        model.advance(until)
+        place = np.array(model.body(2).position)
+        coarse = np.linalg.norm(self.march(4e-5, until)[0] - place)
+        fine = np.linalg.norm(self.march(2e-5, until)[0] - place)
+        self.assertLess(fine, 2e-6)
+        self.assertLess(fine, coarse)
+
+    def test_a_restored_state_goes_on_with_the_same_bits(self):
+        np.testing.assert_array_equal(self.march(4e-5, 0.004)[0],
+                                      self.march(4e-5, 0.004, break_at=50)[0])
+
+    def test_laws_step_and_energy(self):
+        # a free joint along x: curve 20 q for q > 0; the host moves node 1 to q = 0.5 in one step:
+        # force 10 on node 0, -10 on node 1, work (0 + 10)/2*0.5 = 2.5
+        joints = kjoint.Joints(2)
+        curve = joints.curve([-1, 0, 1], [-5, 0, 20])
+        joints.add("free", (0, 1), k_curve={0: curve})
+        x, zero, q = np.zeros((2, 3)), np.zeros((2, 3)), np.array([[1.0, 0, 0, 0]]*2)
+        joints.start(x, [0, 4.0], np.ones((2, 3)), q)
+        joints.forces(0.0, 0.0, x, zero, zero, np.zeros((2, 3)), np.zeros((2, 3)), q)
+        x[1, 0] = 0.5
+        f, m = np.ones((2, 3)), np.zeros((2, 3))
+        joints.forces(0.1, 0.1, x, zero, zero, f, m, q)
+        np.testing.assert_allclose(f, [[11, 1, 1], [-9, 1, 1]])
+        self.assertAlmostEqual(joints.energy[0], 2.5, 12)
+        # steepest slope 20, mass 4 against a held node: omega^2 = 5, h = 2/omega
+        self.assertAlmostEqual(joints.critical_step, 2/np.sqrt(5), 9)
+        self.assertEqual(len(joints), 1)
+        self.assertEqual(joints.result(0).type, 9)
+        with self.assertRaises(ValueError):
+            joints.forces(0.2, 0.1, x[:1], zero, zero, f, m, q)
+
+    def test_nodal_stiffness_bears_the_legacy_step(self):
+        # legacy: k of a blocked direction is (C + sqrt(C^2 + k m))^2/m with C = cr sqrt(k m), and
+        # the node gets twice that; m = 4 here, its other end is held: s = k (cr + sqrt(cr^2 + 1))^2
+        joints = kjoint.Joints(2, "legacy")
+        joints.add("spherical", (0, 1), kn=100.0, cr=0.5)
+        x, zero = np.zeros((2, 3)), np.zeros((2, 3))
+        joints.start(x, [0, 4.0], np.ones((2, 3)))
+        joints.forces(0.0, 0.0, x, zero, zero, np.zeros((2, 3)), np.zeros((2, 3)))
+        kn, kr = joints.stiffness()
+        np.testing.assert_allclose(kn, 2*100*(0.5 + np.sqrt(1.25))**2, rtol=1e-12)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])

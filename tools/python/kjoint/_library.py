@@ -1,0 +1,155 @@
+"""The C library, its structures and errors."""
+import ctypes as ct
+import ctypes.util
+import os
+import pathlib
+
+INT, REAL, TEXT = ct.c_int, ct.c_double, ct.c_char_p
+SIZE = 100_000                                    # room for messages and lists
+
+
+class Error(RuntimeError):
+    """What kjoint has to say; status 1 run, 2 input, 3 file, 4 internal."""
+
+    def __init__(self, message, status):
+        super().__init__(message)
+        self.status = status
+
+
+class Spec(ct.Structure):
+    _fields_ = [("id", INT), ("type", INT), ("node", INT * 2), ("carrier", INT * 2),
+                ("first_frame", INT), ("axis_node", INT * 6), ("axes", REAL * 9), ("kn", REAL),
+                ("cr", REAL), ("k", REAL * 6), ("c", REAL * 6), ("k_curve", INT * 6),
+                ("c_curve", INT * 6)]
+
+
+class Result(ct.Structure):
+    """What a joint does: force and displacement in its frame, frame in W (rows x, y, z)."""
+    _fields_ = [("id", INT), ("type", INT), ("force", REAL * 6), ("displacement", REAL * 6),
+                ("frame", REAL * 3 * 3), ("energy", REAL), ("dissipated", REAL),
+                ("orthogonality", REAL)]
+
+
+class Options(ct.Structure):
+    _fields_ = [("formulation", ct.c_char * 16), ("integrator", ct.c_char * 16),
+                ("dt_rule", ct.c_char * 16), ("until", REAL), ("sample", REAL), ("dt_scale", REAL),
+                ("kn_scale", REAL), ("energy_limit", REAL), ("ignore_unsupported", INT)]
+
+
+class Status(ct.Structure):
+    _fields_ = [("cycle", ct.c_longlong), ("time", REAL), ("time_end", REAL), ("time_step", REAL),
+                ("kinetic", REAL), ("internal", REAL), ("work", REAL), ("energy_error", REAL),
+                ("n_joint", INT), ("n_body", INT), ("n_node", INT), ("n_sample", INT)]
+
+
+class Body(ct.Structure):
+    _fields_ = [("id", INT), ("mass", REAL), ("position", REAL * 3), ("attitude", REAL * 4),
+                ("velocity", REAL * 3), ("omega", REAL * 3), ("force", REAL * 3),
+                ("moment", REAL * 3)]
+
+
+TICK = ct.CFUNCTYPE(INT, ct.POINTER(Status), ct.c_void_p)
+
+
+def _find():
+    folder = pathlib.Path(__file__).resolve().parent
+    names = [os.environ.get("KJOINT_LIBRARY")]
+    names += [str(parent / "libkjoint_c.so") for parent in list(folder.parents)[2:4]]
+    names += [ctypes.util.find_library("kjoint_c"), "libkjoint_c.so"]
+    for name in filter(None, names):
+        try:
+            return ct.CDLL(name)
+        except OSError:
+            continue
+    raise ImportError("libkjoint_c is not found: set KJOINT_LIBRARY to its path")
+
+
+class _Numbers:
+    """Argument that takes numbers of a numpy array as double*, or None."""
+
+    @classmethod
+    def from_param(cls, array):
+        return None if array is None else array.ctypes.data_as(ct.c_void_p)
+
+
+def _declare(library):
+    p, numbers = ct.c_void_p, _Numbers
+    text = [TEXT, ct.c_size_t]
+    calls = {
+        "kj_version": text, "kj_joint_spec_init": [p], "kj_options_init": [p],
+        "kj_joints_new": [TEXT, INT, p] + text, "kj_joints_message": [p] + text,
+        "kj_joints_curve": [p, INT, numbers, numbers, p], "kj_joints_add": [p, p],
+        "kj_joints_start": [p, INT] + [numbers] * 4,
+        "kj_joints_take": [p, p, INT, numbers, numbers],
+        "kj_joints_forces": [p, REAL, REAL, INT] + [numbers] * 6,
+        "kj_joints_stiffness": [p, INT, numbers, numbers], "kj_joints_critical_step": [p, p],
+        "kj_joints_count": [p, p], "kj_joints_result": [p, INT, p],
+        "kj_joints_energy": [p, p, p], "kj_joints_warnings": [p, REAL, p],
+        "kj_joints_state_size": [p, p], "kj_joints_save": [p, INT, numbers],
+        "kj_joints_restore": [p, INT, numbers],
+        "kj_model_load": [TEXT, TEXT, p, p] + text, "kj_model_message": [p] + text,
+        "kj_model_title": [p] + text, "kj_model_warnings": [p] + text,
+        "kj_model_run": [p, p, p], "kj_model_start": [p], "kj_model_advance": [p, REAL],
+        "kj_model_step": [p], "kj_model_sample": [p], "kj_model_status": [p, p],
+        "kj_model_channels": [p] + text, "kj_model_shape": [p, TEXT, p, p, p],
+        "kj_model_series": [p, TEXT, INT, numbers], "kj_model_unit": [p, TEXT] + text,
+        "kj_model_write_history": [p, TEXT], "kj_model_body_count": [p, p],
+        "kj_model_joint_count": [p, p], "kj_model_body_ids": [p, INT, p],
+        "kj_model_joint_ids": [p, INT, p], "kj_model_body": [p, INT, p],
+        "kj_model_joint": [p, INT, p], "kj_model_node": [p, INT, numbers],
+        "kj_model_set_body_load": [p, INT, numbers, numbers],
+        "kj_model_set_load_factor": [p, INT, REAL],
+        "kj_model_set_body_velocity": [p, INT, numbers, numbers],
+        "kj_model_set_body_pose": [p, INT, numbers, numbers],
+        "kj_model_lock_joint": [p, INT, INT]}
+    for name, arguments in calls.items():
+        call = getattr(library, name)
+        call.argtypes, call.restype = arguments, INT
+    for name in ("kj_joints_free", "kj_model_free"):
+        getattr(library, name).argtypes, getattr(library, name).restype = [p], None
+    return library
+
+
+LIB = _declare(_find())
+
+
+def version():
+    """Version of the library."""
+    buffer = ct.create_string_buffer(40)
+    LIB.kj_version(buffer, len(buffer))
+    return buffer.value.decode()
+
+
+class Handle:
+    """A handle of the C library, whose calls raise what goes wrong."""
+
+    kind = ""
+
+    def __init__(self):
+        self._handle = ct.c_void_p()
+
+    def _new(self, call, *arguments):
+        message = ct.create_string_buffer(SIZE)
+        status = call(*arguments, ct.byref(self._handle), message, SIZE)
+        if status:
+            raise Error(message.value.decode(errors="replace"), status)
+
+    def _call(self, name, *arguments):
+        status = getattr(LIB, f"kj_{self.kind}_{name}")(self._handle, *arguments)
+        if status:
+            raise Error(self._message(), status)
+
+    def _message(self, what="message"):
+        buffer = ct.create_string_buffer(SIZE)
+        getattr(LIB, f"kj_{self.kind}_{what}")(self._handle, buffer, SIZE)
+        return buffer.value.decode(errors="replace")
+
+    def _number(self, name, kind=INT):
+        value = kind()
+        self._call(name, ct.byref(value))
+        return value.value
+
+    def __del__(self):
+        if self._handle:
+            getattr(LIB, f"kj_{self.kind}_free")(self._handle)
+            self._handle = ct.c_void_p()
