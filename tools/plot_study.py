@@ -64,7 +64,7 @@ def draw_trade(axes, study, groups):
     axes.axhline(study["wanted_error"], color="k", lw=0.8, ls=":")
     axes.set(xscale="log", yscale="log", xlabel="time of a processor [s]",
              ylabel="error of positions and rotations, over their peak")
-    axes.legend(fontsize=8, loc="best")
+    axes.legend(fontsize=8, loc="best", framealpha=0.6)
     axes.set_title("what accuracy costs (labels: --dt-scale)", fontsize=10)
 
 

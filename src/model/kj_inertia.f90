@@ -69,8 +69,7 @@ contains
    end function steiner
 
    !> The Ispher rule: 1 mean of the three; 2 where the smallest is under a thousandth of the
-   !> largest,
-   !> such values get a tenth of the largest on top; 3 nothing. changed: rule 2 acted
+   !> largest, such values get a tenth of the largest on top; 3 nothing. changed: rule 2 acted
    pure subroutine correct_inertia(ispher, principal, changed)
       integer, intent(in) :: ispher
       real(wp), intent(inout) :: principal(3)          !! descending

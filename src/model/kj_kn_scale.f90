@@ -12,8 +12,7 @@ module kj_kn_scale
 contains
 
    !> Multiply the stiffness of blocked directions by a factor and their damping by its root, so
-   !> that
-   !> the damping ratio stays
+   !> that the damping ratio stays
    pure subroutine scale_blocking(model, factor)
       type(model_t), intent(inout) :: model
       real(wp), intent(in) :: factor             !! above 0

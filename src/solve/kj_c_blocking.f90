@@ -3,9 +3,8 @@
 !>
 !> Rule: all blocked directions of such a joint get the same frequency, K = w^2 m with m their
 !> effective mass or inertia, and w is as high as the wanted step allows: factor times the safe
-!> bound
-!> of the scene is the largest step of the deck (/DTIX), or, where the rest of the scene asks for
-!> less, nine tenths of what that asks for. Then SCF scales the result.
+!> bound of the scene is the largest step of the deck (/DTIX), or, where the rest of the scene asks
+!> for less, nine tenths of what that asks for. Then SCF scales the result.
 module kj_c_blocking
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
@@ -115,8 +114,7 @@ contains
    end subroutine find_stiffness
 
    !> K = w^2 m of the blocked directions of all automatic joints, and their damping; stops and
-   !> locks
-   !> without a stiffness of their own get the largest
+   !> locks without a stiffness of their own get the largest
    subroutine set_stiffness(model, omega, c)
       type(model_t), intent(in) :: model
       real(wp), intent(in) :: omega

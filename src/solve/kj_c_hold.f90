@@ -100,8 +100,7 @@ contains
    !>
    !> v += B^T (B B^T)^-1 (u - B v), L += B^T (B J^-1 B^T)^-1 (u - B J^-1 L); work of driven rows:
    !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the
-   !> second,
-   !> the mean of start and end over a whole step
+   !> second, the mean of start and end over a whole step
    subroutine project(model, c, state, target, active, part, before)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
