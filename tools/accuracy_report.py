@@ -112,7 +112,7 @@ def study(program, name, deck):
         seen[scheme] = seen.get(scheme, 0) + 1
         if scheme in ("liemid", "rkmk4") and seen[scheme] > 1 or scheme == "legacy" and seen[scheme] in (2, 3):
             continue
-        cells = [f"{scheme} {one['dt_scale']:g}"]
+        cells = [one["name"]]
         if one["good"]:
             cells += [one["cycles"], f"{one['cpu_s']:.3f}", number(one["error"]),
                       number(max(one["error_velocity"], one["error_angular_velocity"])),
