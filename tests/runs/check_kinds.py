@@ -227,7 +227,8 @@ def references(scene):
                 raise SystemExit(f"{name}: {done.stdout}")
             errors.append(abs(h5py.File(history)["energy_error"][:]).max())
         check(f"{name}: ledger", errors[0], 1e-4)
-        check(f"{name}: ledger at half the step", errors[1], max(1e-6, 0.5 * errors[0]))
+        if "/DTIX" not in deck.with_name(f"{name}_0001.rad").read_text():      # which would rule the step of both
+            check(f"{name}: ledger at half the step", errors[1], max(1e-6, 0.5 * errors[0]))
         file = h5py.File(history)
         kinetic = file["kinetic_energy_trans"][:] + file["kinetic_energy_rot"][:]
         stored = kinetic + file["joint/elastic_energy"][:].sum(axis=1) + file["potential_energy"][:]
