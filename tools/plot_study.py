@@ -32,18 +32,9 @@ def families(settings):
     return groups
 
 
-def unbeaten(settings):
-    """Settings that no other beats in cost and error, cheapest first."""
-    best = []
-    for setting in sorted(settings, key=lambda s: s["cpu_s"]):
-        if not best or setting["error"] < best[-1]["error"]:
-            best.append(setting)
-    return best
-
-
 def draw_trade(axes, study, groups):
     every = [s for group in groups.values() for s in group]
-    front = unbeaten(every)
+    front = sorted((s for s in every if s["unbeaten"]), key=lambda s: s["cpu_s"])
     axes.plot([s["cpu_s"] for s in front], [s["error"] for s in front], color="0.75", lw=6, zorder=0,
               solid_capstyle="round", label="nothing is cheaper and better")
     for name, group in groups.items():
@@ -64,7 +55,7 @@ def draw_trade(axes, study, groups):
     axes.axhline(study["wanted_error"], color="k", lw=0.8, ls=":")
     axes.set(xscale="log", yscale="log", xlabel="time of a processor [s]",
              ylabel="error of positions and rotations, over their peak")
-    axes.legend(fontsize=8, loc="best")
+    axes.legend(fontsize=8, loc="best", framealpha=0.6)
     axes.set_title("what accuracy costs (labels: --dt-scale)", fontsize=10)
 
 

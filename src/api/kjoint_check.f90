@@ -10,7 +10,7 @@ submodule (kjoint) kjoint_check
    use kj_c_limits, only: nodal_bound, exact_bound
    implicit none
 
-   integer, parameter :: MOST_DOFS = 600         !! of the eigenvalue problem of the whole scene
+   integer, parameter :: MOST_DOFS = 3000        !! of the eigenvalue problem of the whole scene
 
 contains
 

@@ -23,6 +23,7 @@ contains
 
       character(len=:), allocatable :: orders
       character(len=20) :: buffer
+      character(len=5) :: mark
       integer :: i
 
       call print_line(study%title)
@@ -38,11 +39,10 @@ contains
             if (trial_family(study%trial(i)) /= trial_family(study%trial(i - &
                1))) call print_line('')
          end if
-         if (i == best_trial(study, wanted)) then
-            call print_line(table_row(study%trial(i))//'  <--')
-         else
-            call print_line(table_row(study%trial(i)))
-         end if
+         mark = ''
+         if (is_unbeaten(study, i)) mark = '  *'
+         if (i == best_trial(study, wanted)) mark = '  <--'
+         call print_line(table_row(study%trial(i))//trim(mark))
       end do
       call print_line('')
       orders = ''
@@ -58,11 +58,23 @@ contains
          ' cycles of '//trim(buffer)//' on average')
       call print_line('ns per cycle: of a joint (of a body where there is no joint); gap: '// &
          'largest violation of a joint, length')
+      call print_line('*: nothing is cheaper and at least as good; <--: the recommendation')
       call print_line('order: against the row above; energy error of legacy: as OpenRadioss '// &
          'counts it')
       call print_line('')
       call print_line(advice(study, deck, wanted))
    end subroutine print_study
+
+   !> No other setting is cheaper and at least as good in positions and rotations
+   pure logical function is_unbeaten(study, i) result(front)
+      type(study_t), intent(in) :: study
+      integer, intent(in) :: i
+
+      associate (t => study%trial)
+         front = t(i)%good .and. .not. any(t%good .and. t%time < t(i)%time .and. &
+            t%score <= t(i)%score)
+      end associate
+   end function is_unbeaten
 
    !> '1 joint', '2 joints'; '1 rigid body', '2 rigid bodies'
    pure function amount(n, what, plural) result(text)
@@ -217,10 +229,10 @@ contains
          ', '//json_member('joints', str(study%n_joint))//', '//json_member('bodies', &
             str(study%n_body))// &
          ', '//json_member('floor', json_real(study%floor))//','//EOL// &
-         json_member('reference', trial_json(study%reference))//','//EOL//'"settings": ['
+         json_member('reference', trial_json(study%reference, .false.))//','//EOL//'"settings": ['
       do i = 1, size(study%trial)
          if (i > 1) json = json//','
-         json = json//EOL//trial_json(study%trial(i))
+         json = json//EOL//trial_json(study%trial(i), is_unbeaten(study, i))
       end do
       json = json//'],'//EOL//'"orders": {'
       do i = 1, size(SCHEMES)
@@ -233,8 +245,9 @@ contains
          json_member('recommendation', json_text(advice(study, deck, wanted)))//'}'
    end function study_json
 
-   function trial_json(t) result(json)
+   function trial_json(t, unbeaten) result(json)
       type(trial_t), intent(in) :: t
+      logical, intent(in) :: unbeaten
       character(len=:), allocatable :: json
 
       integer :: i
@@ -258,7 +271,8 @@ contains
          json = json//', '//json_member('energy_error', json_real(t%energy))//', '// &
             json_member('violation_trans', json_real(t%gap))//', '// &
             json_member('violation_rot', json_real(t%gap_rot))//', '// &
-            json_member('order', json_real(t%order))
+            json_member('order', json_real(t%order))//', '// &
+            json_member('unbeaten', trim(merge('true ', 'false', unbeaten)))
       end if
       json = json//'}'
    end function trial_json
@@ -277,7 +291,7 @@ contains
       do k = 1, N_CLASS
          csv = csv//',error_'//trim(CLASSES(k))
       end do
-      csv = csv//',energy_error,violation_trans,violation_rot,order'//EOL
+      csv = csv//',energy_error,violation_trans,violation_rot,order,unbeaten'//EOL
       do i = 1, size(study%trial)
          associate (t => study%trial(i))
             csv = csv//trim(t%options%formulation)//','//trim(t%options%integrator)//','// &
@@ -288,9 +302,9 @@ contains
                   1.0e9_wp*t%per_cycle, ',', t%score, (',', t%error(k), k=1, N_CLASS), ',', &
                      t%energy, &
                   ',', t%gap, ',', t%gap_rot, ',', t%order
-               csv = csv//trim(buffer)//EOL
+               csv = csv//trim(buffer)//','//merge('1', '0', is_unbeaten(study, i))//EOL
             else
-               csv = csv//',0'//repeat(',', 9 + N_CLASS)//EOL
+               csv = csv//',0'//repeat(',', 10 + N_CLASS)//EOL
             end if
          end associate
       end do

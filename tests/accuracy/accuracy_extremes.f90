@@ -10,7 +10,7 @@ module accuracy_extremes
    private
 
    public :: check_masses, check_stiffnesses, check_lengths, check_far, check_coincident
-   public :: check_opposite, check_turns, check_falling, check_weightless, check_loose, check_first_step
+   public :: check_opposite, check_turns, check_whole_turn, check_falling, check_weightless, check_loose, check_first_step
 
    real(wp), parameter :: NONE(6) = 0.0_wp
 
@@ -304,6 +304,41 @@ contains
          call below(check, trim(name)//': blocked rotations', maxval(abs(q(2:3, :))), 1.0e-11_wp)
       end do
    end subroutine check_turns
+
+   !> Ends on a spherical joint that turn against each other, 10 rad/s for 1 s. The chart of three free
+   !> rotations ends at a whole turn. With nothing on the angles that does not matter: the centre of
+   !> gravity is in the joint, so the spin stays and no force comes up. With a spring it is an error.
+   subroutine check_whole_turn(check)
+      type(check_t), intent(inout) :: check
+
+      real(wp), parameter :: SPRING(2) = [0.0_wp, 1.0e-3_wp]
+      type(deck_t) :: deck
+      type(run_t) :: run
+      type(run_options_t) :: options
+      real(wp), allocatable :: w(:, :), f(:, :)
+      integer :: i
+
+      do i = 1, 2
+         call new_deck(deck, 1.0_wp, 0.01_wp)
+         call add_body(deck, NONE(1:3), 1.0_wp, [1.0_wp, 1.0_wp, 1.0_wp, NONE(1:3)], .true.)
+         call add_body(deck, NONE(1:3), 1.0_wp, [0.1_wp, 0.1_wp, 0.1_wp, NONE(1:3)], .false.)
+         call add_motion(deck, 2, NONE(1:3), [6.0_wp, 0.0_wp, 8.0_wp])
+         call add_joint(deck, 1, 0, [1, 2], NONE(1:3), NONE(1:3), GLOBAL_AXES, GLOBAL_AXES, 1.0e5_wp, 0.05_wp, &
+            [NONE(1:3), SPRING(i), SPRING(i), SPRING(i)], NONE)
+         call write_deck(deck, 'whole')
+         call run_deck('whole', options, run)
+         if (i == 2) call holds(check, 'whole turn, spring: an error', .not. run%good .and. &
+            index(run%message, 'joint 901 has come to a whole turn') > 0)
+         if (i == 2) cycle
+         call holds(check, 'whole turn: runs', run%good)
+         if (.not. run%good) cycle
+         w = series(run, OF_BODY, 'angular_velocity', 2)
+         f = series(run, OF_JOINT, 'force', 1)
+         call below(check, 'whole turn: spin', maxval(abs(w - spread([6.0_wp, 0.0_wp, 8.0_wp], 2, size(w, 2)))), &
+            1.0e-12_wp)
+         call below(check, 'whole turn: force', maxval(abs(f)), 1.0e-8_wp)
+      end do
+   end subroutine check_whole_turn
 
    !> From rest on a falling curve, f(q) = -k q up to 0.5 m, under a force F: q'' = (k q + F)/m, so
    !> q = F/k (cosh(sqrt(k/m) t) - 1). F = 1 N, k = 100 N/m, m = 4 kg: 0.5 m at

@@ -4,7 +4,7 @@ program accuracy_main
    use accuracy_order, only: check_order, check_driven
    use accuracy_ledger, only: check_ledger, check_momentum, check_cycles
    use accuracy_extremes, only: check_masses, check_stiffnesses, check_lengths, check_far, check_coincident, &
-      check_opposite, check_turns, check_falling, check_weightless, check_loose, check_first_step
+      check_opposite, check_turns, check_whole_turn, check_falling, check_weightless, check_loose, check_first_step
    use accuracy_bodies, only: check_free, check_top
    use accuracy_limits, only: check_limit, check_four_bar
    implicit none
@@ -48,6 +48,8 @@ program accuracy_main
       call check_falling(check)
    case ('weightless')
       call check_weightless(check)
+   case ('whole_turn')
+      call check_whole_turn(check)
    case ('loose')
       call check_loose(check)
    case ('first_step')

@@ -45,6 +45,13 @@ def main(kjoint, decks, work):
                          capture_output=True, text=True, timeout=600)
     assert run.returncode == 0, run.stderr
 
+    # what nothing beats: falling errors over rising cost, and none of the others between
+    front = sorted((s for s in table["settings"] if s["unbeaten"]), key=lambda s: s["cpu_s"])
+    assert all(a["error"] > b["error"] for a, b in zip(front, front[1:]))
+    for s in table["settings"]:
+        assert s["unbeaten"] or any(f["cpu_s"] < s["cpu_s"] and f["error"] <= s["error"] for f in front), s
+    assert [row["unbeaten"] == "1" for row in rows] == [s["unbeaten"] for s in table["settings"]]
+
     # two at a time give the same errors
     again = study(kjoint, work, deck, "--until", "0.2", "--stiffness", "0.1", "--threads", "2", "--json", "-o", "two")
     assert again.returncode == 0, again.stderr
