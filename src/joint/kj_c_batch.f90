@@ -11,7 +11,7 @@ module kj_c_batch
    public :: c_batch_t, c_joint_t, new_c_joint, new_c_limits, chart_of, matrix_of, &
       frame_of
 
-   integer, parameter, public :: N_B = 36             !! numbers of the matrix B of a joint
+   integer, parameter, public :: N_B = 30             !! numbers of the matrix B of a joint
 
    !> Coordinates of the rotations
    integer, parameter, public :: CHART_TWIST = 1      !! at most one free rotation
@@ -58,8 +58,8 @@ module kj_c_batch
       !> (n) work done on springs and on dampers
       real(wp), allocatable :: elastic(:), dissipated(:)
       !> (BLOCK, N_B, blocks) the matrix B block by block, see kj_c_chart: columns 1-9 force of each
-      !> unit translation, 10-18 and 19-27 moments on leads 1 and 2 of each, 28-36 moment on body 1
-      !> of each unit damping moment; W
+      !> unit translation, 10-18 moment M1 on lead 1 of each, 19-27 moment on body 1 of each unit
+      !> damping moment; 28-30 d, so that d x force - M1 is the moment on lead 2; W
       real(wp), allocatable :: b(:, :, :)
       !> (n, 6) rates with the velocities of the half step
       real(wp), allocatable :: qd(:, :)

@@ -3,8 +3,9 @@
 !>
 !> A row of B is kept as what a unit force along that coordinate does (the generalised force is
 !> -B^T F): for translation k the force E(:, k) on node 1 (and the opposite on node 2) and the
-!> couples A1(:, k), A2(:, k) on the bodies of node 1 and 2, next to those of the arms; for rotation
-!> k the moment R(:, k) on body 1 and the opposite on body 2. Matrices are 9 columns; all vectors W.
+!> couples A1(:, k) on the body of node 1, r x E(:, k) - A1(:, k) on the other, next to those of the
+!> arms; for rotation k the moment R(:, k) on body 1 and the opposite on body 2. Matrices are 9
+!> columns; all vectors W; r goes from node 1 to node 2.
 !> Source: consistent.md 1.
 module kj_c_chart
    use kj_kinds, only: wp
@@ -86,11 +87,11 @@ contains
       end do
    end subroutine quaternion_frame
 
-   !> Translations in the frame of body 1: A1 = 1, A2 = 0
-   pure subroutine first_skew(n, t1, r, e, a1, a2)
+   !> Translations in the frame of body 1, which takes the whole couple
+   pure subroutine first_skew(n, t1, r, e, a1)
       integer, intent(in) :: n
       real(wp), intent(in) :: t1(BLOCK, 4), r(BLOCK, 3)
-      real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9)
 
       integer :: k
 
@@ -98,7 +99,6 @@ contains
       do k = 1, 7, 3
          call couple(n, r, e(:, k:k + 2), a1(:, k:k + 2))
       end do
-      a2(:n, :) = 0.0_wp
    end subroutine first_skew
 
    !> y = r x e
@@ -150,14 +150,14 @@ contains
    !> At most one free rotation: swing and twist, p = h s h, theta_x = 2 atan2(px, p0) counted over
    !> turns, theta_y = 2 py, theta_z = 2 pz. Gives the mean frame E = E1 h s^1/2 and its couples
    !> too.
-   pure subroutine twist_chart(n, mean, t1, p, r, theta, e, a1, a2, rot)
+   pure subroutine twist_chart(n, mean, t1, p, r, theta, e, a1, rot)
       integer, intent(in) :: n
-      !> fill e, a1, a2 (else they are those of first_skew)
+      !> fill e, a1 (else they are those of first_skew)
       logical, intent(in) :: mean
       real(wp), intent(in) :: t1(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(inout) :: p(BLOCK, 4)        !! its sign may turn
       real(wp), intent(inout) :: theta(BLOCK, 3)    !! last angles in, new angles out
-      real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9)
       real(wp), intent(out) :: rot(BLOCK, 9)
 
       real(wp) :: d(BLOCK, 9), s0(BLOCK), inverse(BLOCK), c, s, y, z
@@ -184,7 +184,7 @@ contains
             rot(i, 7 + k) = s0(i)*d(i, 7 + k) + p(i, 3)*d(i, 1 + k)
          end do
       end do
-      if (mean) call mean_twist(n, d, p, s0, r, rot, e, a1, a2)
+      if (mean) call mean_twist(n, d, p, s0, r, rot, e, a1)
    end subroutine twist_chart
 
    !> Twist of p nearest to the last one, the other two angles, and cos(swing/2); p gets the sign
@@ -214,10 +214,10 @@ contains
 
    !> Frame E = D s^1/2 with s = (s0, 0, py, pz), and couples on the bodies when E turns with
    !> w_E = w1 + H (w2 - w1): H^T y on body 2 and y - H^T y on body 1, y = r x e_k
-   pure subroutine mean_twist(n, d, p, s0, r, rot, e, a1, a2)
+   pure subroutine mean_twist(n, d, p, s0, r, rot, e, a1)
       integer, intent(in) :: n
       real(wp), intent(in) :: d(BLOCK, 9), p(BLOCK, 4), s0(BLOCK), r(BLOCK, 3), rot(BLOCK, 9)
-      real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9)
 
       real(wp), dimension(BLOCK) :: r0, ry, rz, inverse, part
       real(wp) :: y(BLOCK, 3), a, b, c, g_y, g_z, g_0, h1, h2, h3
@@ -256,12 +256,9 @@ contains
             h1 = 0.5_wp*(d(i, 1)*y(i, 1) + d(i, 2)*y(i, 2) + d(i, 3)*y(i, 3))
             h2 = 0.25_wp*(g_y - g_0*p(i, 3)*part(i))*inverse(i)
             h3 = 0.25_wp*(g_z - g_0*p(i, 4)*part(i))*inverse(i)
-            a2(i, k) = h1*rot(i, 1) + h2*rot(i, 4) + h3*rot(i, 7)
-            a2(i, k + 1) = h1*rot(i, 2) + h2*rot(i, 5) + h3*rot(i, 8)
-            a2(i, k + 2) = h1*rot(i, 3) + h2*rot(i, 6) + h3*rot(i, 9)
-            a1(i, k) = y(i, 1) - a2(i, k)
-            a1(i, k + 1) = y(i, 2) - a2(i, k + 1)
-            a1(i, k + 2) = y(i, 3) - a2(i, k + 2)
+            a1(i, k) = y(i, 1) - (h1*rot(i, 1) + h2*rot(i, 4) + h3*rot(i, 7))
+            a1(i, k + 1) = y(i, 2) - (h1*rot(i, 2) + h2*rot(i, 5) + h3*rot(i, 8))
+            a1(i, k + 2) = y(i, 3) - (h1*rot(i, 3) + h2*rot(i, 6) + h3*rot(i, 9))
          end do
       end do
    end subroutine mean_twist
@@ -270,13 +267,13 @@ contains
    !> Em = E1 Exp(theta/2): rot = Em T, T = n n^T + (a/2)/sin(a/2) (1 - n n^T).
    !> Mean translations: A1^T = 1/2 - 1/2 tan(a/4) [n], A2^T = 1/2 + 1/2 tan(a/4) [n]. That is
    !> singular at a whole turn; joints whose translations need no frame (plain) take that of body 1.
-   pure subroutine vector_chart(n, mean, plain, t1, p, r, theta, e, a1, a2, rot, em)
+   pure subroutine vector_chart(n, mean, plain, t1, p, r, theta, e, a1, rot, em)
       integer, intent(in) :: n
-      logical, intent(in) :: mean                   !! fill e, a1, a2
+      logical, intent(in) :: mean                   !! fill e, a1
       real(wp), intent(in) :: plain(BLOCK)          !! 1 for a plain joint, else 0
       real(wp), intent(in) :: t1(BLOCK, 4), p(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(inout) :: theta(BLOCK, 3)    !! last rotation vector in, new one out
-      real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9)
       real(wp), intent(out) :: rot(BLOCK, 9)
       real(wp), intent(out) :: em(BLOCK, 9)         !! the frame Em
 
@@ -304,17 +301,17 @@ contains
             e(i, k) = merge(e(i, k), em(i, k), plain(i) > 0.5_wp)
          end do
       end do
-      call mean_vector(n, plain, q(:, 2:4), t, r, e, a1, a2)
+      call mean_vector(n, plain, q(:, 2:4), t, r, e, a1)
    end subroutine vector_chart
 
    !> Couples of the mean frame of three free rotations: half of r x e each, and t n x (r x e)/2
    !> more on body 2 than on body 1, t = tan(a/4)
-   pure subroutine mean_vector(n, plain, axis, t, r, e, a1, a2)
+   pure subroutine mean_vector(n, plain, axis, t, r, e, a1)
       integer, intent(in) :: n
       real(wp), intent(in) :: plain(BLOCK)          !! 1 for a plain joint, else 0
       real(wp), intent(in) :: axis(BLOCK, 3)        !! n, W
       real(wp), intent(in) :: t(BLOCK), r(BLOCK, 3), e(BLOCK, 9)
-      real(wp), intent(out) :: a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(out) :: a1(BLOCK, 9)
 
       real(wp) :: y(BLOCK, 3), z(BLOCK, 3), part
       integer :: i, j, k
@@ -326,8 +323,7 @@ contains
             !$omp simd private(part)
             do i = 1, n
                part = 0.5_wp*(y(i, 1 + j) + t(i)*z(i, 1 + j))
-               a2(i, k + j) = merge(0.0_wp, part, plain(i) > 0.5_wp)
-               a1(i, k + j) = y(i, 1 + j) - a2(i, k + j)
+               a1(i, k + j) = y(i, 1 + j) - merge(0.0_wp, part, plain(i) > 0.5_wp)
             end do
          end do
       end do

@@ -55,7 +55,7 @@ contains
             if (batch%limited) call damp_round_stops(joint, h, from, n, rate, s, f)
          end if
          moment(:n, :) = 0.0_wp
-         call add_moment(n, f(:, 4:6), joint%b(:, 28:36, at), moment)
+         call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
          call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
          do k = 1, NDOF
             !$omp simd private(j)
@@ -131,7 +131,7 @@ contains
       real(wp), intent(in) :: b(BLOCK, N_B)
       real(wp), intent(out) :: s(BLOCK, 21)
 
-      real(wp), dimension(BLOCK, 9) :: j1, j2, jr
+      real(wp), dimension(BLOCK, 9) :: m2, j1, j2, jr
       real(wp) :: im(BLOCK), ij1(BLOCK, 6), ij2(BLOCK, 6)
       integer :: i, k, l, at, lead1, lead2
 
@@ -144,8 +144,16 @@ contains
             ij2(i, k) = poses%ij(lead2, k)
          end do
       end do
+      do k = 1, 7, 3
+         !$omp simd
+         do i = 1, n
+            m2(i, k) = (b(i, 29)*b(i, k + 2) - b(i, 30)*b(i, k + 1)) - b(i, k + 9)
+            m2(i, k + 1) = (b(i, 30)*b(i, k) - b(i, 28)*b(i, k + 2)) - b(i, k + 10)
+            m2(i, k + 2) = (b(i, 28)*b(i, k + 1) - b(i, 29)*b(i, k)) - b(i, k + 11)
+         end do
+      end do
       call weigh(n, ij1, b(:, 10:18), j1)
-      call weigh(n, ij2, b(:, 19:27), j2)
+      call weigh(n, ij2, m2, j2)
       at = 0
       do k = 1, 7, 3
          do l = 1, k, 3
@@ -153,15 +161,15 @@ contains
             !$omp simd
             do i = 1, n
                s(i, at) = b(i, k + 9)*j1(i, l) + b(i, k + 10)*j1(i, l + 1) + &
-                  b(i, k + 11)*j1(i, l + 2) + b(i, k + 18)*j2(i, l) + &
-                  b(i, k + 19)*j2(i, l + 1) + b(i, k + 20)*j2(i, l + 2) + &
+                  b(i, k + 11)*j1(i, l + 2) + m2(i, k)*j2(i, l) + &
+                  m2(i, k + 1)*j2(i, l + 1) + m2(i, k + 2)*j2(i, l + 2) + &
                   im(i)*(b(i, k)*b(i, l) + b(i, k + 1)*b(i, l + 1) + b(i, k + 2)*b(i, l + 2))
             end do
          end do
       end do
       ij1(:n, :) = ij1(:n, :) + ij2(:n, :)
-      call weigh(n, ij1, b(:, 28:36), jr)
-      do k = 28, 34, 3
+      call weigh(n, ij1, b(:, 19:27), jr)
+      do k = 19, 25, 3
          do l = 1, 7, 3
             at = at + 1
             !$omp simd
@@ -170,7 +178,7 @@ contains
                   j2(i, l + 1)) + b(i, k + 2)*(j1(i, l + 2) - j2(i, l + 2))
             end do
          end do
-         do l = 1, k - 27, 3
+         do l = 1, k - 18, 3
             at = at + 1
             !$omp simd
             do i = 1, n

@@ -4,7 +4,7 @@
 module kj_c_force
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
-   use kj_joint_types, only: NDOF
+   use kj_joint_types, only: NDOF, FRAME_FIXED
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
    use kj_joint_frame, only: BLOCK, turn_arm
    use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, &
@@ -44,7 +44,7 @@ contains
          n = to - from + 1
          at = (from - 1)/BLOCK + 1
          call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
-         call laws(batch, curves, poses, from, n, q, joint%b(:, 28:36, at), joint, f, lost)
+         call laws(batch, curves, poses, from, n, q, joint%b(:, 19:27, at), joint, f, lost)
          call keep_coordinates(from, n, q, f, joint)
          if (batch%limited) then
             joint%elastic(from:to) = joint%elastic(from:to) - lost(:n)
@@ -54,7 +54,7 @@ contains
          if (batch%chart == CHART_VECTOR) then
             if (sprung) call add_moment(n, f(:, 4:6), rot, moment)
          else
-            call add_moment(n, f(:, 4:6), joint%b(:, 28:36, at), moment)
+            call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
          end if
          if (batch%damped) then
             call rates(batch, poses, from, n, joint%b(:, :, at), q)
@@ -64,7 +64,7 @@ contains
                if (batch%limited) q(:n, k) = q(:n, k) + joint%friction(from:to, k)
             end do
             f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
-            call add_moment(n, q(:, 4:6), joint%b(:, 28:36, at), moment)
+            call add_moment(n, q(:, 4:6), joint%b(:, 19:27, at), moment)
          end if
          call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
       end do
@@ -145,6 +145,7 @@ contains
       real(wp), dimension(BLOCK, 3) :: r, arm1, arm2, xl
       real(wp), dimension(BLOCK, 9) :: e
       real(wp), dimension(BLOCK) :: angle, scalar
+      real(wp) :: share
       integer :: i, k
 
       do k = 4, 6
@@ -153,28 +154,28 @@ contains
       call see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
       if (batch%spring) then
          e(:n, :) = batch%axes(from:from + n - 1, :)
-         call spring_axes(n, batch%frame, e, t1, t2, r, b(:, 1:9), b(:, 10:18), b(:, 19:27))
+         call spring_axes(n, batch%frame, e, t1, t2, r, b(:, 1:9), b(:, 10:18))
       else if (.not. batch%mean) then
-         call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18), b(:, 19:27))
+         call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18))
       end if
       select case (batch%chart)
       case (CHART_TWIST)
          call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
-            b(:, 19:27), b(:, 28:36))
+            b(:, 19:27))
       case (CHART_VECTOR)
          do i = 1, n
             scalar(i) = merge(1.0_wp, 0.0_wp, batch%plain(from + i - 1))
          end do
          call vector_chart(n, batch%mean, scalar, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
-            b(:, 19:27), rot, b(:, 28:36))
+            rot, b(:, 19:27))
       case (CHART_UNIVERSAL)
          angle(:n) = batch%angle0(from:from + n - 1)
          call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b(:, 1:9), b(:, 10:18), &
-            b(:, 19:27), scalar)
-         b(:n, 28:36) = b(:n, 1:9)
+            scalar)
+         b(:n, 19:27) = b(:n, 1:9)
       case default   ! CHART_LINE
          q(:n, 4:6) = 0.0_wp
-         b(:n, 28:36) = 0.0_wp
+         b(:n, 19:27) = 0.0_wp
       end select
       do k = 0, 2
          !$omp simd
@@ -182,8 +183,15 @@ contains
             q(i, k + 1) = b(i, 3*k + 1)*r(i, 1) + b(i, 3*k + 2)*r(i, 2) + &
                b(i, 3*k + 3)*r(i, 3) - batch%xl0(from + i - 1, k + 1)
          end do
-         call add_lever(n, 1.0_wp, arm1, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 10:3*k + 12))
-         call add_lever(n, -1.0_wp, arm2, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 19:3*k + 21))
+         call add_lever(n, arm1, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 10:3*k + 12))
+      end do
+      ! axes that ride on neither end take no couple
+      share = merge(0.0_wp, 1.0_wp, batch%spring .and. (batch%frame == FRAME_FIXED))
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            b(i, 27 + k) = share*r(i, k) + (arm1(i, k) - arm2(i, k))
+         end do
       end do
    end subroutine coordinates
 
@@ -230,19 +238,19 @@ contains
       call relative_pose(n, q1, q2, c1, c2, t1, t2, p)
    end subroutine see_ends
 
-   !> m := m + sign a x f
-   pure subroutine add_lever(n, sign, a, f, m)
+   !> m := m + a x f
+   pure subroutine add_lever(n, a, f, m)
       integer, intent(in) :: n
-      real(wp), intent(in) :: sign, a(BLOCK, 3), f(BLOCK, 3)
+      real(wp), intent(in) :: a(BLOCK, 3), f(BLOCK, 3)
       real(wp), intent(inout) :: m(BLOCK, 3)
 
       integer :: i
 
       !$omp simd
       do i = 1, n
-         m(i, 1) = m(i, 1) + sign*(a(i, 2)*f(i, 3) - a(i, 3)*f(i, 2))
-         m(i, 2) = m(i, 2) + sign*(a(i, 3)*f(i, 1) - a(i, 1)*f(i, 3))
-         m(i, 3) = m(i, 3) + sign*(a(i, 1)*f(i, 2) - a(i, 2)*f(i, 1))
+         m(i, 1) = m(i, 1) + (a(i, 2)*f(i, 3) - a(i, 3)*f(i, 2))
+         m(i, 2) = m(i, 2) + (a(i, 3)*f(i, 1) - a(i, 1)*f(i, 3))
+         m(i, 3) = m(i, 3) + (a(i, 1)*f(i, 2) - a(i, 2)*f(i, 1))
       end do
    end subroutine add_lever
 

@@ -65,9 +65,13 @@ contains
             w(i, k) = f(i, 1)*b(i, k) + f(i, 2)*b(i, k + 3) + f(i, 3)*b(i, k + 6)
             w(i, k + 3) = f(i, 1)*b(i, k + 9) + f(i, 2)*b(i, k + 12) + f(i, 3)*b(i, k + 15) + &
                moment(i, k)
-            w(i, k + 6) = f(i, 1)*b(i, k + 18) + f(i, 2)*b(i, k + 21) + f(i, 3)*b(i, k + 24) - &
-               moment(i, k)
          end do
+      end do
+      !$omp simd
+      do i = 1, n
+         w(i, 7) = (b(i, 29)*w(i, 3) - b(i, 30)*w(i, 2)) - w(i, 4)
+         w(i, 8) = (b(i, 30)*w(i, 1) - b(i, 28)*w(i, 3)) - w(i, 5)
+         w(i, 9) = (b(i, 28)*w(i, 2) - b(i, 29)*w(i, 1)) - w(i, 6)
       end do
       do i = 1, n
          do k = 1, N_C_WRENCH
@@ -93,7 +97,7 @@ contains
       end do
    end subroutine joint_rates
 
-   !> q' = B v: translations e.(v2 - v1) - m1.w1 - m2.w2, rotations rot.(w2 - w1)
+   !> q' = B v: translations e.(v2 - v1 - w2 x d) + m1.(w2 - w1), rotations rot.(w2 - w1)
    pure subroutine rates(batch, poses, from, n, b, rate)
       type(c_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
@@ -101,7 +105,7 @@ contains
       real(wp), intent(in) :: b(BLOCK, N_B)
       real(wp), intent(out) :: rate(BLOCK, 6)
 
-      real(wp), dimension(BLOCK, 3) :: dv, w1, w2, dw
+      real(wp), dimension(BLOCK, 3) :: dv, w2, dw
       integer :: i, k, lead1, lead2
 
       do i = 1, n
@@ -109,20 +113,24 @@ contains
          lead2 = batch%lead(from + i - 1, 2)
          do k = 1, 3
             dv(i, k) = poses%v(lead2, k) - poses%v(lead1, k)
-            w1(i, k) = poses%w(lead1, k)
             w2(i, k) = poses%w(lead2, k)
-            dw(i, k) = w2(i, k) - w1(i, k)
+            dw(i, k) = w2(i, k) - poses%w(lead1, k)
          end do
+      end do
+      !$omp simd
+      do i = 1, n
+         dv(i, 1) = dv(i, 1) - (w2(i, 2)*b(i, 30) - w2(i, 3)*b(i, 29))
+         dv(i, 2) = dv(i, 2) - (w2(i, 3)*b(i, 28) - w2(i, 1)*b(i, 30))
+         dv(i, 3) = dv(i, 3) - (w2(i, 1)*b(i, 29) - w2(i, 2)*b(i, 28))
       end do
       do k = 0, 2
          !$omp simd
          do i = 1, n
             rate(i, 1 + k) = b(i, 3*k + 1)*dv(i, 1) + b(i, 3*k + 2)*dv(i, 2) + &
-               b(i, 3*k + 3)*dv(i, 3) - &
-               (b(i, 3*k + 10)*w1(i, 1) + b(i, 3*k + 11)*w1(i, 2) + b(i, 3*k + 12)*w1(i, 3)) - &
-               (b(i, 3*k + 19)*w2(i, 1) + b(i, 3*k + 20)*w2(i, 2) + b(i, 3*k + 21)*w2(i, 3))
-            rate(i, 4 + k) = b(i, 3*k + 28)*dw(i, 1) + b(i, 3*k + 29)*dw(i, 2) + &
-               b(i, 3*k + 30)*dw(i, 3)
+               b(i, 3*k + 3)*dv(i, 3) + &
+               (b(i, 3*k + 10)*dw(i, 1) + b(i, 3*k + 11)*dw(i, 2) + b(i, 3*k + 12)*dw(i, 3))
+            rate(i, 4 + k) = b(i, 3*k + 19)*dw(i, 1) + b(i, 3*k + 20)*dw(i, 2) + &
+               b(i, 3*k + 21)*dw(i, 3)
          end do
       end do
    end subroutine rates

@@ -17,7 +17,7 @@ contains
    !> dual basis G = E^-1. theta_1 = angle(e2, e3) less its start value, theta_2 and theta_3 turn
    !> about e2 and e3 from where e1 stood at the start, counted over turns; theta' = G (w2 - w1)
    !> exactly. Triads: body 1 carries (e1, e2, e1 x e2) of the start, body 2 (e1, e3 x e1, e3).
-   pure subroutine universal_chart(n, t1, t2, r, angle0, theta, xl, e, dual, a1, a2, ortho)
+   pure subroutine universal_chart(n, t1, t2, r, angle0, theta, xl, e, dual, a1, ortho)
       integer, intent(in) :: n
       real(wp), intent(in) :: t1(BLOCK, 4), t2(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(in) :: angle0(BLOCK)          !! angle(e2, e3) at the start
@@ -25,7 +25,7 @@ contains
       real(wp), intent(out) :: xl(BLOCK, 3)          !! G r
       real(wp), intent(out) :: e(BLOCK, 9)           !! e1, e2, e3
       real(wp), intent(out) :: dual(BLOCK, 9)        !! force and moment of a unit coordinate
-      real(wp), intent(out) :: a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(out) :: a1(BLOCK, 9)
       real(wp), intent(out) :: ortho(BLOCK)          !! e2.e3
 
       real(wp), dimension(BLOCK, 9) :: b1, b2
@@ -64,7 +64,7 @@ contains
          xl(i, 3) = dual(i, 7)*r(i, 1) + dual(i, 8)*r(i, 2) + dual(i, 9)*r(i, 3)
       end do
       call universal_angles(n, b1(:, 1:3), b2(:, 1:3), e, s, ortho, angle0, theta)
-      call universal_couples(n, e, dual, xl, s, ortho, a1, a2)
+      call universal_couples(n, e, dual, xl, s, ortho, a1)
    end subroutine universal_chart
 
    !> Angles of a universal joint from its axes and from where e1 stood at the start on both bodies
@@ -99,30 +99,27 @@ contains
       call count_turns(n, a, theta(:, 3))
    end subroutine universal_angles
 
-   !> Couples of the three translations: e2 and e3 turn with their bodies, e1 with both
-   pure subroutine universal_couples(n, e, dual, xl, s, ortho, a1, a2)
+   !> Couples on body 1 of the three translations: it carries e2 and turns e1
+   pure subroutine universal_couples(n, e, dual, xl, s, ortho, a1)
       integer, intent(in) :: n
       real(wp), intent(in) :: e(BLOCK, 9), dual(BLOCK, 9), xl(BLOCK, 3), s(BLOCK), ortho(BLOCK)
-      real(wp), intent(out) :: a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(out) :: a1(BLOCK, 9)
 
-      real(wp) :: y(BLOCK, 3), z(BLOCK, 3), f(3), along, u, v, c1
+      real(wp) :: y(BLOCK, 3), f(3), along, u, c1
       integer :: i, j, k
 
       do k = 1, 7, 3
          call couple(n, e(:, 4:6), dual(:, k:k + 2), y)
-         call couple(n, e(:, 7:9), dual(:, k:k + 2), z)
-         !$omp simd private(f, along, u, v, c1, j)
+         !$omp simd private(f, along, u, c1, j)
          do i = 1, n
             along = dual(i, k)*e(i, 1) + dual(i, k + 1)*e(i, 2) + dual(i, k + 2)*e(i, 3)
             f(1) = dual(i, k) - along*e(i, 1)
             f(2) = dual(i, k + 1) - along*e(i, 2)
             f(3) = dual(i, k + 2) - along*e(i, 3)
             u = f(1)*e(i, 4) + f(2)*e(i, 5) + f(3)*e(i, 6)
-            v = f(1)*e(i, 7) + f(2)*e(i, 8) + f(3)*e(i, 9)
             c1 = xl(i, 1)/s(i)
             do j = 0, 2
                a1(i, k + j) = xl(i, 2)*y(i, 1 + j) + c1*(u*e(i, 7 + j) - ortho(i)*f(1 + j))
-               a2(i, k + j) = xl(i, 3)*z(i, 1 + j) + c1*(ortho(i)*f(1 + j) - v*e(i, 4 + j))
             end do
          end do
       end do

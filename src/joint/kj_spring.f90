@@ -10,7 +10,7 @@ module kj_spring
    use kj_joint_types, only: NDOF, FRAME_FIRST, FRAME_SECOND, FRAME_FIXED, FRAME_LINE, FRAME_APART
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_joint_frame, only: BLOCK
-   use kj_c_chart, only: first_skew
+   use kj_c_chart, only: first_skew, quaternion_frame
    implicit none
    private
 
@@ -43,25 +43,23 @@ contains
       end do
    end subroutine line_axes
 
-   !> Axes of a block of springs and the couples on the bodies of a unit force along each, as the
+   !> Axes of a block of springs and the couple on body 1 of a unit force along each, as the
    !> charts of joints have them (consistent formulation)
-   pure subroutine spring_axes(n, frame, fixed, t1, t2, r, e, a1, a2)
+   pure subroutine spring_axes(n, frame, fixed, t1, t2, r, e, a1)
       integer, intent(in) :: n
       integer, intent(in) :: frame               !! FRAME_ constant of springs
       real(wp), intent(in) :: fixed(BLOCK, 9)    !! axes of FRAME_FIXED, W
       real(wp), intent(in) :: t1(BLOCK, 4), t2(BLOCK, 4)   !! triads that the ends carry, W
       real(wp), intent(in) :: r(BLOCK, 3)        !! from node 1 to node 2, W
-      real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9), a2(BLOCK, 9)
+      real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9)
 
       if (frame == FRAME_FIRST) then
-         call first_skew(n, t1, r, e, a1, a2)
-      else if (frame == FRAME_SECOND) then
-         call first_skew(n, t2, r, e, a2, a1)
+         call first_skew(n, t1, r, e, a1)
       else
+         if (frame == FRAME_SECOND) call quaternion_frame(n, t2, e)
          if (frame == FRAME_LINE) call line_axes(n, r, e)
          if (frame == FRAME_FIXED) e(:n, :) = fixed(:n, :)
          a1(:n, :) = 0.0_wp
-         a2(:n, :) = 0.0_wp
       end if
    end subroutine spring_axes
 

@@ -7,6 +7,7 @@
 !> Source: consistent.md 4.
 module kj_c_bound
    use kj_kinds, only: wp
+   use kj_math3, only: cross
    use kj_lapack, only: largest_eigenvalue
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_curve, only: curve_set_t
@@ -154,9 +155,13 @@ contains
       real(wp) :: rows(27)
 
       real(wp) :: m(N_B)
+      integer :: k
 
       m = matrix_of(state%joint(b), i)
-      rows = m(:27)
+      rows(:18) = m(:18)
+      do k = 1, 7, 3
+         rows(k + 18:k + 20) = cross(m(28:30), m(k:k + 2)) - m(k + 9:k + 11)
+      end do
    end function rows_of
 
    subroutine keep_pose(c, state, bound)
@@ -335,8 +340,8 @@ contains
          do k = 1, 3
             rows(k, 1:3) = sign*m(3*k - 2:3*k)
             rows(k, 4:6) = -m(3*k + 7:3*k + 9)
-            if (e == 2) rows(k, 4:6) = -m(3*k + 16:3*k + 18)
-            rows(k + 3, 4:6) = sign*g*m(3*k + 25:3*k + 27)
+            if (e == 2) rows(k, 4:6) = m(3*k + 7:3*k + 9) - cross(m(28:30), m(3*k - 2:3*k))
+            rows(k + 3, 4:6) = sign*g*m(3*k + 16:3*k + 18)
          end do
       end associate
    end function rows_of_end
