@@ -260,6 +260,7 @@ contains
       call set_skews(set)
       associate (m => set%model)
          m%n_joint = size(set%spec)
+         m%n_element = m%n_joint
          allocate (m%joint(m%n_joint), m%joint_name(m%n_joint))
          moving = .false.
          s = 0

@@ -80,7 +80,7 @@ contains
       integer :: i
 
       needed = .false.
-      do i = 1, model%n_joint
+      do i = 1, model%n_element
          needed(model%lead(model%joint(i)%node)) = .true.
          if (legacy) needed(model%joint(i)%node) = .true.
       end do

@@ -141,7 +141,7 @@ contains
 
    module procedure simulation_joints
       allocate (ids(0))
-      if (sim%loaded) ids = sim%model%joint%id
+      if (sim%loaded) ids = sim%model%joint(:sim%model%n_joint)%id
    end procedure simulation_joints
 
    module procedure body_state

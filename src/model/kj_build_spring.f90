@@ -192,7 +192,7 @@ contains
       integer, intent(inout) :: curve
 
       real(wp), allocatable :: x(:), y(:)
-      integer :: first, last
+      integer :: first, last, id
 
       if (abs(c) <= 0.0_wp) then
          call convert_abscissae(draft, x_scale, curve)
@@ -203,7 +203,8 @@ contains
       last = draft%curves%first(curve + 1) - 1
       x = x_scale*draft%curves%x(first:last)
       y = y_scale*draft%curves%y(first:last) + c*x
-      call add_curve(draft%curves, draft%curves%id(curve), x, y)
+      id = draft%curves%id(curve)   ! the set grows: no reference into it
+      call add_curve(draft%curves, id, x, y)
       curve = draft%curves%n
       c = 1.0_wp
    end subroutine join_dampers

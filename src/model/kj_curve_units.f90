@@ -88,14 +88,15 @@ contains
       integer, intent(inout) :: curve            !! index
 
       real(wp), allocatable :: x(:), y(:)
-      integer :: first, last
+      integer :: first, last, id
 
       if (is_one(factor)) return
       first = draft%curves%first(curve)
       last = draft%curves%first(curve + 1) - 1
       x = factor*draft%curves%x(first:last)
       y = draft%curves%y(first:last)
-      call add_curve(draft%curves, draft%curves%id(curve), x, y)
+      id = draft%curves%id(curve)   ! the set grows: no reference into it
+      call add_curve(draft%curves, id, x, y)
       curve = draft%curves%n
    end subroutine convert_abscissae
 

@@ -130,7 +130,7 @@ contains
 
       integer :: first
 
-      first = minval(pack(model%joint%id, acts))
+      first = minval(pack(model%joint(:size(acts))%id, acts))
       text = 'joint '//str(first)
       if (count(acts) > 1) text = str(count(acts))//' joints, the first '//str(first)
    end function joint_text
