@@ -1,6 +1,6 @@
 !> Bodies of the public module: loading a deck, and what the history says of it.
 submodule (kjoint) kjoint_impl
-   use kj_error, only: fail, str
+   use kj_error, only: add_finding, fail, str
    use kj_deck, only: read_deck
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
@@ -8,6 +8,7 @@ submodule (kjoint) kjoint_impl
    use kj_legacy_check, only: warn_legacy
    use kj_joint_types, only: joint_types
    use kj_joint_stop, only: has_friction
+   use kj_c_contact, only: step_factor
    use kj_sample, only: new_sampler
    use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
    implicit none
@@ -50,12 +51,28 @@ contains
       if (allocated(error)) return
       if (abs(options%kn_scale - 1.0_wp) > 0.0_wp) call scale_blocking(sim%model, options%kn_scale)
       if (sim%legacy) call warn_legacy(sim%model, findings)
+      if (options%dt_scale > 0.0_wp .and. .not. sim%legacy) &
+         call note_half_step(step_factor(sim%model), options%dt_scale, findings)
       if (options%integrator == 'rkmk4') call refuse_path(sim%model, error)
       if (allocated(error)) return
       call describe(sim)
       sim%load_scale = sim%model%cload%y_scale
       sim%loaded = .true.
    end procedure load_simulation
+
+   !> Say that a run takes less than the fraction of the critical step that is asked for
+   subroutine note_half_step(taken, asked, findings)
+      real(wp), intent(in) :: taken, asked
+      type(finding_list_t), intent(inout) :: findings
+
+      type(error_t), allocatable :: finding
+
+      if (taken >= asked) return
+      call fail(finding, ERR_INPUT, '--dt-scale is 0.5 at most where stops meet joints with '// &
+         'hardly any damping', 'KJ-9042')
+      finding%severity = SEV_NOTE
+      call add_finding(findings, finding)
+   end subroutine note_half_step
 
    !> Friction and locks hold a state that only whole steps may change: rkmk4 evaluates between them
    subroutine refuse_path(model, error)

@@ -113,6 +113,10 @@ module kj_message_own
    message_t('KJ-9041', SEV_WARNING, 'limits of /STOP and /KILL do not act', &
       'kjoint has a limit of the energy error of its own.', &
       'Use --energy-limit.'), &
+   message_t('KJ-9042', SEV_NOTE, 'stops without damping take shorter steps', &
+      'Steps change at every stop, which shakes blocked directions that ring. Where some Cr is '// &
+      'below 0.01 steps are half of the critical one at most.', &
+      'Leave --dt-scale out, or give a larger Cr.'), &
    message_t('KJ-9301', SEV_WARNING, 'a joint loses its right angles', &
       'The axes of a joint come from nodes or bodies that are meant to be rigid. They strain '// &
       'or turn against each other, and the directions of the joint lose their right angles.', &

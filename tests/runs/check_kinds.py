@@ -165,6 +165,19 @@ def order_of_joints(scene):
         check(f"order of joints: {name}", float(not np.array_equal(*sides, equal_nan=True)), 0.0)
 
 
+def threads(scene):
+    """85 pucks in a ring with friction, two blocks of joints: the same bits with 1, 2 and 3 threads."""
+    flat = dof(low=-0.1, high=0.1, stiffness=1e4, limit=2.0, combined=1)
+    prop = joint(PLANAR, [flat, flat, dof(low=-0.2, high=0.2, stiffness=1e3, limit=0.1)], cr=0.1)
+    rates = np.random.default_rng(3).normal(size=(85, 3))
+    deck = starter([Body(velocity=(0, v, w), spin=(s, 0, 0)) for v, w, s in rates], prop)
+    files = []
+    for n in "123":
+        scene.run("threads", deck, 0.2, options=("--threads", n, "--reproducible")).close()
+        files.append((scene.work / "threads.h5").read_bytes())
+    check("threads: the same bits", float(len(set(files)) != 1), 0.0)
+
+
 def order(scene):
     """Halving the step: where a turn with friction or with a stop has come to converges at least with the first
     order. Fixed steps by /DTIX, far below the limits."""
@@ -256,8 +269,8 @@ def references(scene):
             check(f"{name}: friction never gives back [J]", -min(0.0, taken.min()), 0.0)
 
 
-CHECKS = (friction_angle, friction_ball, stop_liemid, damped_stop, whirl, two_stops, order_of_joints, order, kinds,
-          ringing, references)
+CHECKS = (friction_angle, friction_ball, stop_liemid, damped_stop, whirl, two_stops, order_of_joints, threads, order,
+          kinds, ringing, references)
 
 
 def main(kjoint, work):

@@ -39,6 +39,11 @@ def ints(*values):
     return "".join(f"{value:10d}" for value in values)
 
 
+def rows(numbers):
+    """Cards of ten numbers each."""
+    return [ints(*numbers[i:i + 10]) for i in range(0, len(numbers), 10)]
+
+
 def dof(k=0.0, low=0.0, high=0.0, combined=0, c=0.0, stiffness=0.0, limit=0.0, f_limit=0):
     """The three cards of one direction."""
     return [reals(k) + ints(0) + reals(low, high) + ints(combined), reals(c) + ints(0),
@@ -53,7 +58,7 @@ def joint(kind, dofs, kn=1e7, scf=0.0, cr=1e-9, sensor=0, skews=(0, 0)):
 
 
 def rbody(number, main, secondaries, mass, inertia):
-    return ([f"/GRNOD/NODE/{1000 + number}", "nodes", ints(*secondaries), f"/RBODY/{number}", "body",
+    return ([f"/GRNOD/NODE/{1000 + number}", "nodes", *rows(secondaries), f"/RBODY/{number}", "body",
              ints(main, 0, 0, 3) + reals(mass) + ints(1000 + number, 0, 3, 0), reals(*np.broadcast_to(inertia, 3)),
              reals(0.0, 0.0, 0.0), ints(0, 0)])
 
@@ -80,7 +85,7 @@ def starter(bodies, prop, gravity=0.0, extra=(), ground=None, apart=(0, 0, 0), s
     else:
         lines += ["/GRNOD/NODE/1900", "held", ints(100), "/BCS/1", "held", "   111 111" + ints(0, 1900)]
     if gravity:
-        lines += ["/GRNOD/NODE/1901", "all", ints(*(200 + 10 * i for i in range(len(bodies)))), "/GRAV/1",
+        lines += ["/GRNOD/NODE/1901", "all", *rows([200 + 10 * i for i in range(len(bodies))]), "/GRAV/1",
                   "gravity", ints(0) + f"{'Z':>10s}" + ints(0, 0, 1901) + " " * 10 + reals(0.0, -gravity)]
     lines += ["/TH/SPRING/1", "joints", "DEF", *(ints(number) for number in springs),
               "/TH/RBODY/2", "bodies", "DEF", *(ints(n) for n in range(1 if ground else 2, 2 + len(bodies))), "/END"]
