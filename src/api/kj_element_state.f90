@@ -178,6 +178,8 @@ contains
       call pass2(joint%friction, tape)
       call pass2(joint%grip, tape)
       call pass2(joint%c_limit, tape)
+      call pass2(joint%c_round, tape)
+      call pass2(joint%to_round, tape)
       call pass1(joint%slip_energy, tape)
       call pass1(joint%stored, tape)
       call pass2(joint%q_lock, tape)
