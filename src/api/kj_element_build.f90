@@ -217,7 +217,7 @@ contains
          allocate (m%first(n + 1), source=n + 1)
          m%body_id = m%node_id(:n)
          allocate (m%bcs(0), m%gravity(0), m%cload(0), m%motion(0), m%th_joint(0), m%th_body(0), &
-            m%th_node(0), m%th_node_skew(0))
+            m%th_spring(0), m%th_node(0), m%th_node_skew(0))
          do i = 1, m%n_node
             m%x0(i, :) = host_vector(set, x, set%host(i))
          end do

@@ -58,10 +58,10 @@ contains
       logical :: used(0:model%skews%n)
       integer :: i
 
-      deallocate (model%gravity, model%cload, model%motion, model%th_joint, model%th_body, &
-         model%th_node, model%th_node_skew)
+      deallocate (model%gravity, model%cload, model%motion, model%th_joint, model%th_spring, &
+         model%th_body, model%th_node, model%th_node_skew)
       allocate (model%gravity(0), model%cload(0), model%motion(0), model%th_joint(0), &
-         model%th_body(0), model%th_node(0), model%th_node_skew(0))
+         model%th_spring(0), model%th_body(0), model%th_node(0), model%th_node_skew(0))
       used = .false.
       do i = 1, size(model%batch)
          if (model%batch(i)%frame == FRAME_MEAN) cycle

@@ -266,6 +266,7 @@ contains
          else
             associate (s => set%cs%joint(ref%batch), i => ref%place)
                result%force = s%fe(i, :) + s%fd(i, :)
+               if (allocated(s%friction)) result%force = result%force + s%friction(i, :)
                result%displacement = s%q(i, :)
                result%frame = reshape(frame_of(set%c%batch(ref%batch), s, i), [3, 3])
                result%energy = s%elastic(i) + s%dissipated(i)

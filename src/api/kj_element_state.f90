@@ -163,7 +163,7 @@ contains
       type(c_joint_t), intent(inout) :: joint
       type(tape_t), intent(inout) :: tape
 
-      integer :: k
+      integer :: k, rows
 
       call pass2(joint%q, tape)
       call pass2(joint%fe, tape)
@@ -171,13 +171,16 @@ contains
       call pass1(joint%elastic, tape)
       call pass1(joint%dissipated, tape)
       do k = 1, size(joint%b, 3)
-         call pass2(joint%b(:, :, k), tape)
+         rows = min(size(joint%b, 1), size(joint%q, 1) - (k - 1)*size(joint%b, 1))
+         call pass2(joint%b(:rows, :, k), tape)
       end do
       call pass2(joint%qd, tape)
       if (.not. allocated(joint%flag)) return
       call pass2(joint%friction, tape)
       call pass2(joint%grip, tape)
       call pass2(joint%c_limit, tape)
+      call pass2(joint%c_round, tape)
+      call pass2(joint%to_round, tape)
       call pass1(joint%slip_energy, tape)
       call pass1(joint%stored, tape)
       call pass2(joint%q_lock, tape)

@@ -102,7 +102,7 @@ contains
       associate (k => keywords(row))
          if (k%status == READ_IT) return
          near = ''
-         if (path /= k%name) near = near_miss(path)
+         if (path /= k%name) near = trim(near_miss(path))
          if (len(near) > 0 .and. k%status == NOTE_IT) then
             call add_deck_finding(deck, line, 1, last, SEV_WARNING, 'KJ-9023', path// &
                ' has no effect here', 'is it misspelt?', findings, 'did you mean '//near//'?')
@@ -128,14 +128,14 @@ contains
    !> when a digit makes the difference
    pure function near_miss(path) result(name)
       character(len=*), intent(in) :: path
-      character(len=:), allocatable :: name
+      character(len=len(keywords%name)) :: name
 
       integer :: row
 
       do row = 1, size(keywords)
          if (keywords(row)%status /= READ_IT .or. scan(path, '0123456789') > 0) cycle
-         name = trim(keywords(row)%name)
-         if (edit_distance(path, name) <= 2) return
+         name = keywords(row)%name
+         if (edit_distance(path, trim(name)) <= 2) return
       end do
       name = ''
    end function near_miss

@@ -79,7 +79,7 @@ static void element_level(void) {
   kj_joints *joints = NULL, *other = NULL;
   kj_joint_spec s = good();
   kj_joint_result r;
-  double h, state[500], a[3] = {0, 1, 2}, down[3] = {2, 1, 0}, nan2[2] = {0, NAN};
+  double h, state[5000], a[3] = {0, 1, 2}, down[3] = {2, 1, 0}, nan2[2] = {0, NAN};
   int n;
 
   NULLS(kj_joint_spec_init(NULL));
@@ -139,6 +139,7 @@ static void element_level(void) {
   WRONG(kj_joints_result(joints, 2147483647, &r), "no joint");
   WRONG(kj_joints_result(joints, 0, NULL), "null");
   RIGHT(kj_joints_state_size(joints, &n));
+  if (n > 5000) return;
   WRONG(kj_joints_save(joints, n - 1, state), "numbers");
   RIGHT(kj_joints_save(joints, n, state));
   state[0] = 99;
