@@ -46,6 +46,9 @@ LAYOUTS = {
 ROWS = {"/NODE": ints(1) + reals(M, M, M), "/SPRING": ints(7), "/FUNCT": reals(ONE, ONE)}
 
 
+BLANK30 = [(30, "b", ONE)]
+
+
 class Block:
     def __init__(self, header, title, cards):
         self.header, self.title, self.cards = header, title, cards
@@ -59,6 +62,10 @@ class Block:
             return joint_layout(int(self.cards[0][:10]))
         if self.key in ("/PROP/KJOINT2", "/PROP/TYPE45"):
             return joint2_layout(int(self.cards[0][:10]))
+        if self.key in ("/PROP/TYPE4", "/PROP/SPRING"):
+            return [reals(KG) + BLANK30 + ints(3)] + spring_layout(False)
+        if self.key in ("/PROP/TYPE8", "/PROP/SPR_GENE"):
+            return [reals(KG, INERTIA) + ints(6)] + 3 * spring_layout(False) + 3 * spring_layout(True)
         return LAYOUTS.get(self.key, [None] * len(self.cards))
 
 
@@ -90,6 +97,12 @@ def joint2_layout(kind):
                   reals(CR if turn else C) + ints(1),
                   reals(KR if turn else K, MOMENT if turn else FORCE) + ints(1)]
     return cards
+
+
+def spring_layout(turn):
+    """The three cards of one direction of a spring; factors of functions and gaps stay 0 here."""
+    return [reals(KR if turn else K, CR if turn else C, ONE, ONE, ONE), ints(5) + [(10, "b", ONE)] + reals(ONE, ONE),
+            reals(ONE, ONE, ONE, ONE)]
 
 
 def parse(text):
