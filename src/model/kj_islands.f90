@@ -5,11 +5,12 @@
 !> rides. Ground, that is leads blocked in all six directions, ties nothing: it does not move,
 !> whatever acts on it. A driven lead is not ground. Sensors and functions know time alone.
 module kj_islands
+   use kj_kinds, only: wp
    use kj_model, only: model_t, load_t
    implicit none
    private
 
-   public :: find_islands, element_leads
+   public :: find_islands, element_leads, island_steps
 
 contains
 
@@ -92,6 +93,25 @@ contains
          end associate
       end do
    end function element_leads
+
+   !> The longest step that the joints and springs of each island allow; huge: they allow any
+   pure function island_steps(model, island, n, step) result(least)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: island(:), n
+      real(wp), intent(in) :: step(:)            !! (n_element) step that each allows
+      real(wp) :: least(n)
+
+      integer :: ends(2, model%n_element), i, j, e
+
+      ends = element_leads(model)
+      least = huge(1.0_wp)
+      do j = 1, model%n_element
+         do e = 1, 2
+            i = island(ends(e, j))
+            if (i > 0) least(i) = min(least(i), step(j))
+         end do
+      end do
+   end function island_steps
 
    pure subroutine tie_elements(model, ground, parent)
       type(model_t), intent(in) :: model

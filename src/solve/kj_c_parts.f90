@@ -10,7 +10,7 @@ module kj_c_parts
    use kj_kinds, only: wp
    use kj_sort, only: sort_unique
    use kj_model, only: model_t
-   use kj_islands, only: find_islands, element_leads
+   use kj_islands, only: find_islands, element_leads, island_steps
    use kj_cut_model, only: cut_t, cut_model
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_build, only: build_c_model, new_c_state
@@ -21,7 +21,7 @@ module kj_c_parts
    public :: part_t, cut_scene, march_parts
 
    real(wp), parameter :: ALIKE = 1.1_wp         !! largest ratio of the limits in a part
-   real(wp), parameter :: NO_LIMIT = 1.0e30_wp   !! a step above this is none
+   real(wp), parameter :: NO_LIMIT = 1.0e15_wp   !! a step above this is none
    integer, parameter :: LEAST_WORK = 4000       !! joint-steps that threads are worth it for
 
    !> One part
@@ -43,20 +43,20 @@ contains
       !> shortest step first; empty for a scene that is best kept in one
       type(part_t), allocatable, intent(out) :: part(:)
 
-      integer, allocatable :: island(:)
-      integer :: group(0:model%n_lead), home(model%n_lead), ends(2, model%n_element)
+      integer, allocatable :: island(:), group(:)
+      integer :: home(model%n_lead), ends(2, model%n_element)
       integer :: of_element(model%n_element), n, p
       logical :: leads(model%n_lead)
 
       call find_islands(model, island, n_island)
-      ends = element_leads(model)
-      group = 0
+      allocate (group(0:n_island), source=0)
       n = 0
-      if (n_island > 1) call group_islands(island, n_island, ends, min(whole%bound%limit, &
-         whole%most/whole%factor), group, n)
+      if (n_island > 1) call group_islands(island_steps(model, island, n_island, &
+         min(whole%bound%limit, whole%most/whole%factor)), group, n)
       if (n < 2) n = 0                           ! nothing to gain
       allocate (part(n))
       if (n == 0) return
+      ends = element_leads(model)
       home = group(island)
       of_element = max(home(ends(1, :)), home(ends(2, :)))
       where (of_element == 0) of_element = n     ! from ground to ground
@@ -73,32 +73,23 @@ contains
    end subroutine cut_scene
 
    !> Group of each island: by its limit, upwards; islands that nothing limits go with the last
-   subroutine group_islands(island, n_island, ends, limit, group, n)
-      integer, intent(in) :: island(:), n_island
-      integer, intent(in) :: ends(:, :)          !! (2, n_element) leads
-      real(wp), intent(in) :: limit(:)           !! (n_element) step that each joint allows
-      integer, intent(inout) :: group(0:)        !! 1..n; group(0) of ground stays 0
+   subroutine group_islands(limit, group, n)
+      real(wp), intent(in) :: limit(:)           !! (n_island) longest step of each
+      integer, intent(out) :: group(0:)          !! 1..n; group(0) of ground is 0
       integer, intent(out) :: n
 
-      real(wp) :: least(0:n_island)
-      integer :: bin(n_island), i, j, e
+      integer :: bin(size(limit)), i
       integer, allocatable :: bins(:), number(:)
 
-      least = huge(1.0_wp)
-      do j = 1, size(limit)
-         do e = 1, 2
-            i = island(ends(e, j))
-            least(i) = min(least(i), limit(j))
-         end do
-      end do
       bin = 0
-      where (least(1:) < NO_LIMIT) bin = int(log(least(1:)/minval(least(1:)))/log(ALIKE))
-      bin = merge(bin, maxval(bin), least(1:) < NO_LIMIT)
+      where (limit < NO_LIMIT) bin = int(log(limit/minval(limit))/log(ALIKE))
+      bin = merge(bin, maxval(bin), limit < NO_LIMIT)
       bins = sort_unique(bin)
       n = size(bins)
       allocate (number(0:maxval(bin)), source=0)
       number(bins) = [(i, i=1, n)]
-      group(1:n_island) = number(bin)
+      group(0) = 0
+      group(1:) = number(bin)
    end subroutine group_islands
 
    !> Leads of a part: those of its islands, and what its joints, loads and conditions touch
