@@ -14,6 +14,7 @@ module kj_c_parts
    use kj_cut_model, only: cut_t, cut_model
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_build, only: build_c_model, new_c_state
+   use kj_c_contact, only: step_factor
    use kj_c_advance, only: march_t, start_march, march
    implicit none
    private
@@ -156,7 +157,7 @@ contains
       call new_c_state(part%cut%model, part%c, part%state)
       part%march%integrator = whole%integrator
       part%march%nodal = whole%nodal
-      part%march%factor = whole%factor
+      part%march%factor = step_factor(part%cut%model)
       part%march%most = whole%most
       part%march%first = whole%first
       call start_march(part%cut%model, part%c, part%state, part%march)
