@@ -28,6 +28,7 @@ module kj_check
       real(wp) :: exact_step = 0.0_wp             !! of the assembled scene; 0: too large to tell
       real(wp) :: factor = 0.0_wp                 !! on the critical step, of deck or options
       integer :: safe_joint = 0                   !! joint or spring that holds it, 0 = none
+      real(wp), allocatable :: island_step(:)     !! safe steps of islands; huge: none
       ! joints in deck order, then springs in deck order
       integer, allocatable :: joint(:), property(:)   !! (n_joint)
       integer, allocatable :: row(:)              !! (n_joint) of kj_joint_types

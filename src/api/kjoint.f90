@@ -19,6 +19,7 @@ module kjoint
    use kj_state, only: state_t
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_advance, only: march_t
+   use kj_c_parts, only: part_t
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
@@ -66,6 +67,8 @@ module kjoint
       integer :: threads = 1                 !! of the cycle; the results do not depend on it
       !> joints or bodies that a thread needs to be worth it; smaller scenes take fewer threads
       integer :: least_share = 500
+      !> islands march on their own steps and meet at the samples; consistent, run_simulation only
+      logical :: islands = .false.
    end type run_options_t
 
    !> Where a run stands
@@ -78,6 +81,10 @@ module kjoint
       !> energies of the last sample
       real(wp) :: kinetic = 0.0_wp, internal = 0.0_wp, work = 0.0_wp
       integer :: n_joint = 0, n_body = 0, n_node = 0, n_spring = 0
+      real(wp) :: joint_cycles = 0.0_wp         !! steps of all joints so far
+      integer :: n_island = 0                   !! of a run by islands; 0: all on one step
+      integer :: n_part = 1                     !! groups of islands that share a step
+      integer :: least_cycle = 0                !! cycles of the part with the fewest
       integer :: n_sample = 0                   !! rows given to the sink
       integer :: print_every = 100              !! /PRINT: cycles between listing lines
       real(wp) :: wall_solve = 0.0_wp, wall_output = 0.0_wp            !! [s] of wall clock
@@ -96,6 +103,8 @@ module kjoint
       type(c_model_t) :: c_model                !! consistent formulation
       type(c_state_t) :: c_state
       type(march_t) :: march
+      integer :: n_island = 0                   !! of a run by islands
+      type(part_t), allocatable :: part(:)      !! its parts; empty: one step for all
       type(history_t) :: history
       type(sampler_t) :: sampler
       character(len=:), allocatable :: root     !! name of the deck without _0000.rad

@@ -7,6 +7,7 @@ submodule (kjoint) kjoint_check
    use kj_c_blocking, only: start_scene
    use kj_c_contact, only: step_factor
    use kj_c_bound, only: bound_t, new_bound
+   use kj_islands, only: find_islands, island_steps
    use kj_c_limits, only: nodal_bound, exact_bound
    implicit none
 
@@ -172,12 +173,16 @@ contains
       type(c_state_t) :: state
       type(bound_t) :: bound
       type(error_t), allocatable :: error
+      integer, allocatable :: island(:)
+      integer :: n
 
       report%factor = model%control%dt_factor
       ! a stiffness that nothing tells yet is left 0
       call start_scene(model, .false., c, state, error)
       call new_bound(model, c, .false., state, bound)
       report%safe_step = bound%h
+      call find_islands(model, island, n)
+      report%island_step = island_steps(model, island, n, bound%limit)
       call nodal_bound(model, c, state, report%nodal_step)
       call exact_bound(model, c, state, bound, MOST_DOFS, report%exact_step)
       call sort_limits()

@@ -120,6 +120,9 @@ contains
                ' does not go with the integrator '//trim(o%integrator))
          else if (sim%legacy .and. o%dt_rule /= 'nodal') then
             call fail(error, ERR_INPUT, 'the legacy formulation goes with the nodal rule only')
+         else if (sim%legacy .and. o%islands) then
+            call fail(error, ERR_INPUT, &
+               'the legacy formulation has one step for all: it does not go with islands')
          end if
       end associate
    end subroutine check_options

@@ -12,6 +12,8 @@ submodule (kjoint) kjoint_run
    use kj_c_contact, only: step_factor
    use kj_c_advance, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, RKMK4
    use kj_c_publish, only: publish
+   use kj_c_parts, only: cut_scene, march_parts
+   use kj_c_gather, only: gather_parts, gather_clock, joint_cycles
    implicit none
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
@@ -96,7 +98,8 @@ contains
       end associate
    end subroutine run_legacy
 
-   !> The consistent march: each sample interval in equal steps, the end at Tstop
+   !> The consistent march: each sample interval in equal steps, the end at Tstop. Islands stand at
+   !> the same time at samples alone: stopped between them, their history ends at the last one.
    subroutine run_consistent(sim, sink, monitor, status, clock, stop, error)
       type(simulation_t), intent(inout) :: sim
       class(sink_t), intent(inout) :: sink
@@ -114,6 +117,11 @@ contains
       sample = 0
       call start_consistent(sim, error)
       if (allocated(error)) return
+      sim%n_island = 0
+      if (allocated(sim%part)) deallocate (sim%part)
+      allocate (sim%part(0))
+      if (sim%options%islands) &
+         call cut_scene(sim%model, sim%c_model, sim%march, sim%n_island, sim%part)
       call add_row(sim, sink, .false., clock, status, error)
       associate (cs => sim%c_state, control => sim%model%control)
          do while (cs%time < control%t_stop .and. .not. allocated(error))
@@ -123,9 +131,7 @@ contains
             if (control%t_stop - t_end < 1.0e-9_wp*control%sample) t_end = control%t_stop
             arrived = .false.
             do while (.not. (arrived .or. stop))
-               call march(sim%model, sim%c_model, t_end, tick_cycles(sim%model), sim%march, cs, &
-                  arrived)
-               call check_state(sim, error)
+               call march_on(sim, t_end, arrived, error)
                if (allocated(error)) return
                sim%state%cycle = cs%cycle
                sim%state%time = cs%time
@@ -133,6 +139,7 @@ contains
                call tell(sim, status)
                call monitor%tick(status, stop)
             end do
+            if (size(sim%part) > 0 .and. .not. arrived) return
             call add_row(sim, sink, .not. arrived .or. &
                (t_end < sample*control%sample*(1.0_wp - 1.0e-9_wp) .and. control%sample > 0.0_wp), &
                clock, status, error)
@@ -140,6 +147,34 @@ contains
          end do
       end associate
    end subroutine run_consistent
+
+   !> Some steps towards a time.
+   !>
+   !> Errors: those of check_state
+   subroutine march_on(sim, t_end, arrived, error)
+      type(simulation_t), intent(inout) :: sim
+      real(wp), intent(in) :: t_end
+      logical, intent(out) :: arrived
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: p
+
+      if (size(sim%part) == 0) then
+         call march(sim%model, sim%c_model, t_end, tick_cycles(sim%model), sim%march, sim%c_state, &
+            arrived)
+         call check_state(sim%model, sim%c_model, sim%c_state, error)
+         return
+      end if
+      call march_parts(t_end, [(tick_cycles(sim%part(p)%cut%model), p=1, size(sim%part))], &
+         sim%model%control%threads, sim%part, arrived)
+      do p = 1, size(sim%part)
+         associate (part => sim%part(p))
+            call check_state(part%cut%model, part%c, part%state, error)
+         end associate
+         if (allocated(error)) return
+      end do
+      call gather_clock(sim%part, sim%c_state, sim%march)
+   end subroutine march_on
 
    !> Constants, first state, limits and ledger of the consistent formulation
    subroutine start_consistent(sim, error)
@@ -162,28 +197,28 @@ contains
    end subroutine start_consistent
 
    !> The run is still where the formulation holds
-   subroutine check_state(sim, error)
-      type(simulation_t), intent(in) :: sim
+   subroutine check_state(model, c, state, error)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
       integer :: j, at
 
-      associate (state => sim%c_state, model => sim%model)
-         if (.not. (all(ieee_is_finite(state%v)) .and. all(ieee_is_finite(state%l)))) then
-            call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
-               str(state%cycle))
-            return
-         end if
-         at = full_turn(sim%c_model, state)
-         if (at == 0) return
-         do j = 1, model%n_element
-            if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
-            call fail(error, ERR_RUN, 'joint '//str(model%joint(j)%id)// &
-               ' has come to a whole turn: '// &
-               'three free rotations with springs or a length end there (cycle '// &
-                  str(state%cycle)//')')
-         end do
-      end associate
+      if (.not. (all(ieee_is_finite(state%v)) .and. all(ieee_is_finite(state%l)))) then
+         call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
+            str(state%cycle))
+         return
+      end if
+      at = full_turn(c, state)
+      if (at == 0) return
+      do j = 1, model%n_element
+         if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
+         call fail(error, ERR_RUN, 'joint '//str(model%joint(j)%id)// &
+            ' has come to a whole turn: '// &
+            'three free rotations with springs or a length end there (cycle '// &
+               str(state%cycle)//')')
+      end do
    end subroutine check_state
 
    !> Close the sink with the outcome; an error of the run goes before one of the sink
@@ -235,7 +270,11 @@ contains
       now = wall_clock()
       status%wall_solve = status%wall_solve + now - clock
       if (.not. sim%legacy) then
-         call balance_ledger(sim%model, sim%c_model, sim%c_state)
+         if (size(sim%part) > 0) then
+            call gather_parts(sim%c_model, sim%part, sim%c_state, sim%march)
+         else
+            call balance_ledger(sim%model, sim%c_model, sim%c_state)
+         end if
          call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
       end if
       call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
@@ -291,6 +330,14 @@ contains
       status%n_body = sim%model%n_body
       status%n_node = sim%model%n_node
       status%print_every = sim%model%control%print_every
+      status%joint_cycles = real(status%cycle, wp)*sim%model%n_joint
+      status%least_cycle = status%cycle
+      status%n_island = sim%n_island
+      if (.not. allocated(sim%part)) return
+      if (size(sim%part) == 0) return
+      status%n_part = size(sim%part)
+      status%joint_cycles = joint_cycles(sim%part)
+      status%least_cycle = minval(sim%part%state%cycle)
    end subroutine tell
 
 end submodule kjoint_run

@@ -16,6 +16,9 @@ contains
       if (.not. sim%loaded) then
          call fail(error, ERR_INPUT, 'no deck is loaded')
          return
+      else if (sim%options%islands) then
+         call fail(error, ERR_INPUT, 'islands march by themselves: a host steps one scene')
+         return
       end if
       sim%started = .false.
       call new_state(sim%model, sim%state)
@@ -44,7 +47,7 @@ contains
          arrived = .not. sim%c_state%time < until
          do while (.not. (arrived .or. allocated(error)))
             call march(sim%model, sim%c_model, until, CHUNK, sim%march, sim%c_state, arrived)
-            call check_state(sim, error)
+            call check_state(sim%model, sim%c_model, sim%c_state, error)
          end do
          if (.not. allocated(error)) call renew_published(sim)
       end if
@@ -62,7 +65,7 @@ contains
       else
          until = sim%c_state%time + sim%march%limit
          call march(sim%model, sim%c_model, until, 1, sim%march, sim%c_state, arrived)
-         call check_state(sim, error)
+         call check_state(sim%model, sim%c_model, sim%c_state, error)
          if (.not. allocated(error)) call renew_published(sim)
       end if
       sim%started = .not. allocated(error)

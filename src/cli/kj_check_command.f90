@@ -79,6 +79,10 @@ contains
       else
          call print_line('   safe        '//trim(step_text(report%safe_step)))
       end if
+      if (size(report%island_step) > 1) call print_line('   islands     '// &
+         str(size(report%island_step))//', safe from '// &
+         trim(step_text(minval(report%island_step)))//' to '// &
+         trim(step_text(maxval(report%island_step)))//'  (each its own by --islands)')
       if (report%exact_step > 0.0_wp) then
          call print_line('   exact       '//trim(step_text(report%exact_step)))
       else
@@ -289,6 +293,7 @@ contains
             ', '//json_member('nodal_step', json_step(report%nodal_step))// &
             ', '//json_member('safe_step', json_step(report%safe_step))// &
             ', '//json_member('safe_joint', str(report%safe_joint))// &
+            ', '//json_member('island_steps', '['//steps_json(report%island_step)//']')// &
             ', '//json_member('exact_step', json_step(report%exact_step))// &
             ', '//json_member('factor', json_real(report%factor)))
          call print_line(', "joints": [')
@@ -363,5 +368,19 @@ contains
       json = 'null'
       if (step < 0.5_wp*huge(step)) json = json_real(step)
    end function json_step
+
+   !> Steps with commas between them
+   function steps_json(steps) result(json)
+      real(wp), intent(in) :: steps(:)
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = ''
+      do i = 1, size(steps)
+         if (i > 1) json = json//', '
+         json = json//json_step(steps(i))
+      end do
+   end function steps_json
 
 end module kj_check_command

@@ -7,8 +7,9 @@ module kj_diff_command
       diff_json, diff_junit
    use kj_convert, only: convert_t01
    use kj_sink_h5, only: sink_h5_t
+   use kj_option_value, only: option_real
    use kj_option, only: arguments_t, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, OPT_WINDOW, &
-      OPT_METRICS, OPT_JUNIT, OPT_RTOL, option_real
+      OPT_METRICS, OPT_JUNIT, OPT_RTOL
    use kj_terminal, only: print_text
    implicit none
    private

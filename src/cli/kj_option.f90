@@ -2,17 +2,11 @@
 !> what does not exist has no row. To add an option: a row here, and its use in the command.
 module kj_option
    use kj_error, only: error_t, fail, ERR_INPUT
-   use kj_number, only: parse_real, parse_integer, NUMBER_FINE
-   use kj_kinds, only: wp
    use kj_spelling, only: edit_distance
-   use kj_team, only: has_threads
-   use kj_terminal, only: environment
    implicit none
    private
 
-   public :: command_t, option_t, word_t, arguments_t, parse_arguments, option_real, &
-      option_threads
-   public :: has_option, did_you_mean
+   public :: command_t, option_t, word_t, arguments_t, parse_arguments, has_option, did_you_mean
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
       CMD_CONVERT = 5, CMD_INFO = 6, CMD_LIST = 7, CMD_HELP = 8, CMD_VERSION = 9
@@ -52,7 +46,8 @@ module kj_option
       OPT_UNTIL = 8, OPT_SAMPLE = 9, OPT_ENERGY_LIMIT = 10, OPT_IGNORE = 11, &
       OPT_REPRODUCIBLE = 12, OPT_QUIET = 13, OPT_VERBOSE = 14, OPT_JSON = 15, OPT_PROFILE = 16, &
       OPT_RTOL = 17, OPT_INTERP = 18, OPT_WINDOW = 19, OPT_METRICS = 20, OPT_JUNIT = 21, &
-      OPT_KN_SCALE = 22, OPT_ERROR = 23, OPT_SCALES = 24, OPT_STIFFNESS = 25, OPT_THREADS = 26
+      OPT_KN_SCALE = 22, OPT_ERROR = 23, OPT_SCALES = 24, OPT_STIFFNESS = 25, OPT_THREADS = 26, &
+      OPT_ISLANDS = 27
 
    !> One option of one command or more
    type :: option_t
@@ -117,7 +112,9 @@ module kj_option
       option_t(OPT_STIFFNESS,    '',   '--stiffness',         'LIST',   'study', &
                'of --kn-scale to try beside 1; default 0.1,0.01'), &
       option_t(OPT_THREADS,      '',   '--threads',           'N',      'run study', &
-               'threads of a run, runs of a study; default: OMP_NUM_THREADS, else 1')]
+               'threads of a run, runs of a study; default: OMP_NUM_THREADS, else 1'), &
+      option_t(OPT_ISLANDS,      '',   '--islands',           '',       'run', &
+               'parts that do not act on each other take their own time steps')]
 
    !> A word of the command line
    type :: word_t
@@ -345,53 +342,5 @@ contains
       end do
       if (best > 0) text = 'did you mean "'//trim(candidates(best))//'"?'
    end function did_you_mean
-
-   !> Value of an option that takes a real number; `value` is kept when the option is not given
-   !>
-   !> Errors: ERR_INPUT when it is no number or below `least`
-   subroutine option_real(args, row, least, value, error)
-      type(arguments_t), intent(in) :: args
-      integer, intent(in) :: row               !! OPT_ constant
-      real(wp), intent(in) :: least
-      real(wp), intent(inout) :: value
-      type(error_t), allocatable, intent(out) :: error
-
-      integer :: status
-      real(wp) :: number
-
-      if (.not. args%given(row)) return
-      call parse_real(args%value(row)%s, number, status)
-      if (status /= NUMBER_FINE) then
-         call fail(error, ERR_INPUT, trim(options(row)%name)//' needs a number, not "'// &
-                   args%value(row)%s//'"')
-      else if (number < least) then
-         call fail(error, ERR_INPUT, trim(options(row)%name)//' is too small: '// &
-                   args%value(row)%s)
-      else
-         value = number
-      end if
-   end subroutine option_real
-
-   !> --threads, else OMP_NUM_THREADS, else 1
-   !>
-   !> Errors: ERR_INPUT when --threads is no whole number from 1
-   subroutine option_threads(args, threads, error)
-      type(arguments_t), intent(in) :: args
-      integer, intent(out) :: threads
-      type(error_t), allocatable, intent(out) :: error
-
-      integer :: number, status
-
-      threads = 1
-      call parse_integer(environment('OMP_NUM_THREADS'), number, status)
-      if (status == NUMBER_FINE) threads = max(1, number)
-      if (.not. args%given(OPT_THREADS)) return
-      call parse_integer(args%value(OPT_THREADS)%s, threads, status)
-      if (status == NUMBER_FINE .and. threads > 1 .and. .not. has_threads()) call fail(error, &
-         ERR_INPUT, 'this kjoint was built without OpenMP: it has one thread')
-      if (status == NUMBER_FINE .and. threads > 0) return
-      call fail(error, ERR_INPUT, '--threads needs a whole number from 1, not "'// &
-         args%value(OPT_THREADS)%s//'"')
-   end subroutine option_threads
 
 end module kj_option

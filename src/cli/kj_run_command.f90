@@ -3,10 +3,11 @@ module kj_run_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, str, add_finding, ERR_INPUT, ERR_FILE
    use kj_system, only: wall_clock
-   use kj_option, only: arguments_t, option_real, option_threads, OPT_OUTPUT, &
+   use kj_option_value, only: option_real, option_threads
+   use kj_option, only: arguments_t, OPT_OUTPUT, &
       OPT_LEGACY, OPT_FORMULATION, OPT_INTEGRATOR, OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, &
       OPT_DT_SCALE, OPT_ENERGY_LIMIT, OPT_KN_SCALE, OPT_IGNORE, &
-      OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+      OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON, OPT_ISLANDS
    use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
@@ -117,6 +118,7 @@ contains
       end if
       if (allocated(error)) return
       options%ignore_unsupported = args%given(OPT_IGNORE)
+      options%islands = args%given(OPT_ISLANDS)
       call option_real(args, OPT_UNTIL, 0.0_wp, options%until, error)
       if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%sample, error)
       if (.not. allocated(error)) &
@@ -190,6 +192,7 @@ contains
          if (s%n_spring > 0) buffer = trim(buffer)//', '//str(s%n_spring)//' springs'
          call print_line('   model         '//trim(buffer))
          call print_line('   cycles        '//str(s%cycle))
+         if (s%n_island > 0) call print_line('   islands       '//islands_text(s))
          write (buffer, '(es12.6,a,es12.6)') s%time, ' of ', s%t_stop
          call print_line('   time          '//trim(buffer))
          write (buffer, '(es12.6)') s%time_step
@@ -198,11 +201,21 @@ contains
          write (buffer, '(f12.3,a)') outcome%elapsed, ' s  ('
          call print_line('   wall time     '//trim(adjustl(buffer))// &
                          rate(real(s%cycle, wp)/seconds)//' cycles/s, '// &
-                         rate(real(s%cycle, wp)*s%n_joint/seconds)//' joint-cycles/s)')
+                         rate(s%joint_cycles/seconds)//' joint-cycles/s)')
          call print_line('   slowest cost  '//costs(s, seconds))
          call print_line('   history       '//outcome%history)
       end associate
    end subroutine print_summary
+
+   !> "3, in 2 groups of 120 to 4000 cycles"
+   function islands_text(status) result(text)
+      type(run_status_t), intent(in) :: status
+      character(len=:), allocatable :: text
+
+      text = str(status%n_island)//', all on one time step'
+      if (status%n_part > 1) text = str(status%n_island)//', in '//str(status%n_part)// &
+         ' groups of '//str(status%least_cycle)//' to '//str(status%cycle)//' cycles'
+   end function islands_text
 
    !> "solver 91 %, history 7 %": shares of the wall time, the largest first
    function costs(status, seconds) result(text)
@@ -239,6 +252,9 @@ contains
                ', '//json_member('title', json_text(outcome%title))// &
                ', '//json_member('history', json_text(outcome%history))// &
                ', '//json_member('cycles', str(s%cycle))// &
+               ', '//json_member('joint_cycles', json_real(s%joint_cycles))// &
+               ', '//json_member('islands', str(s%n_island))// &
+               ', '//json_member('island_groups', str(s%n_part))// &
                ', '//json_member('time', json_real(s%time))// &
                ', '//json_member('t_stop', json_real(s%t_stop))// &
                ', '//json_member('time_step', json_real(s%time_step))// &

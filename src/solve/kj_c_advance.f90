@@ -18,7 +18,7 @@ module kj_c_advance
    implicit none
    private
 
-   public :: march_t, start_march, march, balance_ledger, full_turn
+   public :: march_t, start_march, march, balance_ledger, close_ledger, full_turn
 
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3   !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
@@ -224,27 +224,37 @@ contains
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
 
-      real(wp) :: kinetic, joints, elastic, s
+      real(wp) :: kinetic, joints, s
       integer :: b
 
       call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       kinetic = 0.5_wp*(sum(model%mass*sum(state%v**2, dim=2)) + sum(state%l*state%poses%w))
       joints = 0.0_wp
-      elastic = 0.0_wp
+      state%energy = 0.0_wp
       do b = 1, size(state%joint)
-         elastic = elastic + sum(state%joint(b)%elastic)
+         state%energy = state%energy + sum(state%joint(b)%elastic)
          joints = joints + sum(state%joint(b)%elastic) + sum(state%joint(b)%dissipated)
       end do
+      state%energy = kinetic + state%energy
       s = kinetic + joints + potential(model, c, state) - state%work
       if (state%by_steps) s = s - state%h**2/8.0_wp*kick_term(model, c, state) + state%offset
       if (state%cycle == 0) then
          state%s0 = s
          state%scale = energy_of_rounding(c, state)
       end if
-      state%scale = max(state%scale, kinetic + elastic + abs(state%work))
-      state%error = 0.0_wp
-      if (state%scale > 0.0_wp) state%error = (s - state%s0)/state%scale
+      call close_ledger(s - state%s0, state)
    end subroutine balance_ledger
+
+   !> The change of S as a fraction of the largest energy so far
+   pure subroutine close_ledger(change, state)
+      real(wp), intent(in) :: change
+      type(c_state_t), intent(inout) :: state
+
+      state%change = change
+      state%scale = max(state%scale, state%energy + abs(state%work))
+      state%error = 0.0_wp
+      if (state%scale > 0.0_wp) state%error = change/state%scale
+   end subroutine close_ledger
 
    !> Energy of joints strained by a thousand times the rounding of coordinates: below it an energy
    !> means nothing, and a scene at rest has no other.

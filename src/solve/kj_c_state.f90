@@ -79,6 +79,8 @@ module kj_c_state
       logical :: by_steps = .true.               !! work of loads by mean force times displacement
       real(wp) :: s0 = 0.0_wp                    !! S at the start
       real(wp) :: offset = 0.0_wp                !! of S, where the step changed
+      real(wp) :: energy = 0.0_wp                !! kinetic + elastic, when last summed up
+      real(wp) :: change = 0.0_wp                !! S - s0, then
       real(wp) :: scale = 0.0_wp                 !! largest kinetic + elastic + |work| so far
       real(wp) :: error = 0.0_wp                 !! (S - s0)/scale
    end type c_state_t
