@@ -41,7 +41,7 @@ module kj_check
       logical, allocatable :: automatic(:)        !! (n_joint) blocking comes from the first step
       real(wp), allocatable :: ratio(:)           !! (n_joint) largest damping ratio of all dofs
       real(wp), allocatable :: step(:)            !! (n_joint) critical step of the joint alone
-      real(wp), allocatable :: t_lock(:), t_free(:)   !! (n_joint) locked from, to; huge: never
+      real(wp), allocatable :: t_lock(:), t_free(:)   !! (n_element) locked from, to; huge: never
       !> stops and friction, in deck order of the joints; KJOINT2 only
       type(limit_row_t), allocatable :: limit(:)
       ! bodies in ascending id

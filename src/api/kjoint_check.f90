@@ -72,7 +72,7 @@ contains
       type(limit_row_t) :: row
       integer :: j, dof
 
-      allocate (report%t_lock(model%n_joint), report%t_free(model%n_joint), source=huge(1.0_wp))
+      allocate (report%t_lock(model%n_element), report%t_free(model%n_element), source=huge(1.0_wp))
       allocate (report%limit(0))
       do j = 1, model%n_joint
          associate (b => model%batch(model%joint(j)%batch), p => model%joint(j)%place)
