@@ -137,6 +137,7 @@ typedef struct kj_options {
   double kn_scale;        /* factor on the stiffness of blocked directions */
   double energy_limit;    /* largest energy error in percent; negative: 15, off under legacy */
   int ignore_unsupported; /* 1: unsupported keywords become warnings */
+  int threads;            /* of the cycle, 1 default; the results do not depend on it */
 } kj_options;
 
 typedef struct kj_run_status {

@@ -22,7 +22,7 @@ module kj_c_api_model
    type, bind(c) :: c_options_t
       character(kind=c_char) :: formulation(16), integrator(16), dt_rule(16)
       real(c_double) :: until, sample, dt_scale, kn_scale, energy_limit
-      integer(c_int) :: ignore_unsupported
+      integer(c_int) :: ignore_unsupported, threads
    end type c_options_t
 
    !> kj_run_status
@@ -70,6 +70,7 @@ contains
       o%kn_scale = default%kn_scale
       o%energy_limit = default%energy_limit
       o%ignore_unsupported = 0
+      o%threads = 1
       status = OK
    end function kj_options_init
 
@@ -129,6 +130,7 @@ contains
       chosen%kn_scale = o%kn_scale
       chosen%energy_limit = o%energy_limit
       chosen%ignore_unsupported = o%ignore_unsupported /= 0
+      chosen%threads = max(1, int(o%threads))
    end subroutine take_options
 
    !> See kjoint.h

@@ -5,7 +5,7 @@
 module kj_c_body
    use kj_kinds, only: wp
    use kj_math3, only: turn_coefficients
-   use kj_joint_frame, only: BLOCK
+   use kj_joint_frame, only: BLOCK, turn_arm
    use kj_c_chart, only: quaternion_frame
    use kj_c_state, only: c_model_t, c_state_t
    implicit none
@@ -187,18 +187,11 @@ contains
       real(wp), intent(in) :: q(BLOCK, 4), a(BLOCK, 3)
       real(wp), intent(out) :: b(BLOCK, 3)
 
-      real(wp) :: t1, t2, t3
-      integer :: i
+      real(wp) :: p(BLOCK, 4)
 
-      !$omp simd private(t1, t2, t3)
-      do i = 1, n
-         t1 = 2.0_wp*(q(i, 4)*a(i, 2) - q(i, 3)*a(i, 3))
-         t2 = 2.0_wp*(q(i, 2)*a(i, 3) - q(i, 4)*a(i, 1))
-         t3 = 2.0_wp*(q(i, 3)*a(i, 1) - q(i, 2)*a(i, 2))
-         b(i, 1) = a(i, 1) + q(i, 1)*t1 - (q(i, 3)*t3 - q(i, 4)*t2)
-         b(i, 2) = a(i, 2) + q(i, 1)*t2 - (q(i, 4)*t1 - q(i, 2)*t3)
-         b(i, 3) = a(i, 3) + q(i, 1)*t3 - (q(i, 2)*t2 - q(i, 3)*t1)
-      end do
+      p(:n, 1) = q(:n, 1)
+      p(:n, 2:4) = -q(:n, 2:4)
+      call turn_arm(n, p, a, b)
    end subroutine conjugate_turn
 
    !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m, J^-1 (L + h/2 t)

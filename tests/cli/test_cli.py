@@ -84,7 +84,7 @@ class Usage(Program):
     def test_messages_are_explained(self):
         self.assertIn("cause", self.kjoint("help", "KJ-0078").stdout)
         self.assertIn("cause", self.kjoint("help", "kj-0078").stdout)
-        self.kjoint("help", "KJ-xxxx", code=2)
+        self.kjoint("help", "KJ-12ab", code=2)
 
 
 class Run(Program):

@@ -33,7 +33,7 @@ class Result(ct.Structure):
 class Options(ct.Structure):
     _fields_ = [("formulation", ct.c_char * 16), ("integrator", ct.c_char * 16),
                 ("dt_rule", ct.c_char * 16), ("until", REAL), ("sample", REAL), ("dt_scale", REAL),
-                ("kn_scale", REAL), ("energy_limit", REAL), ("ignore_unsupported", INT)]
+                ("kn_scale", REAL), ("energy_limit", REAL), ("ignore_unsupported", INT), ("threads", INT)]
 
 
 class Status(ct.Structure):

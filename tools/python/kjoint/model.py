@@ -16,7 +16,7 @@ def _vector(values, n=3):
 
 class Model(Handle):
     """A Radioss deck. Options: formulation, integrator, dt_rule, until, sample, dt_scale, kn_scale,
-    energy_limit, ignore_unsupported, as the command line has them.
+    energy_limit, ignore_unsupported, threads, as the command line has them.
 
     run() keeps samples; model["joint/force"] is a channel over time, model.channels lists them.
     Or start(), then advance(t) or step(), body(id), joint(id), set_..., sample().
