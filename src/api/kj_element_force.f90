@@ -8,7 +8,6 @@ module kj_element_force
    use kj_skew, only: skew_axes
    use kj_step, only: find_joint_forces
    use kj_c_step, only: find_forces
-   use kj_c_damper, only: count_damping
    use kj_c_hold, only: body_matrix
    use kj_c_bound, only: renew_bound, has_moved
    use kj_c_batch, only: frame_of
@@ -103,7 +102,7 @@ contains
 
       real(wp) :: p(3, 3), none(0)
       logical :: never(0)
-      integer :: i, b
+      integer :: i
 
       never = .false.
       none = 0.0_wp
@@ -116,10 +115,7 @@ contains
             s%t_ahead(i, :) = host_vector(set, m, set%host(i))
          end do
          s%poses%v = s%v
-         do b = 1, size(c%batch)
-            if (c%batch(b)%damped .and. h > 0.0_wp) call count_damping(c%batch(b), s%poses, h, 1, &
-               c%batch(b)%n, s%joint(b))
-         end do
+         s%poses%w_left = s%poses%w
          s%poses%psi = 0.5_wp*h*s%poses%w
          do i = 1, set%model%n_lead
             if (set%host(i) == 0) cycle

@@ -9,6 +9,7 @@ module kj_c_damper
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, c_joint_t, N_B
    use kj_c_matrix, only: poses_t, rates, put_wrench, add_moment
+   use kj_c_compliance, only: end_inertias, compliance
    use kj_c_limit, only: damp_round_stops
    implicit none
    private
@@ -33,14 +34,14 @@ contains
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp), dimension(BLOCK, 6) :: rate, f, c
-      real(wp) :: s(BLOCK, 21), moment(BLOCK, 3)
+      real(wp) :: s(BLOCK, 21), moment(BLOCK, 3), im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)
       integer :: from, to, n, at, i, j, k
 
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
          at = (from - 1)/BLOCK + 1
-         call rates(batch, poses, from, n, joint%b(:, :, at), rate)
+         call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, at), rate)
          do k = 1, NDOF
             call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
             if (batch%limited) then
@@ -50,7 +51,8 @@ contains
             f(:n, k) = f(:n, k) - joint%fd(from:to, k)
          end do
          if (h > 0.0_wp) then
-            call compliance(batch, poses, from, n, joint%b(:, :, at), s)
+            call end_inertias(batch, poses, from, n, im, ij1, ij2)
+            call compliance(n, joint%b(:, :, at), im, ij1, ij2, s)
             call solve(n, 0.5_wp*h, c, s, f)
             if (batch%limited) call damp_round_stops(joint, h, from, n, rate, s, f)
          end if
@@ -68,27 +70,24 @@ contains
       end do
    end subroutine add_dampers
 
-   !> Energy that the dampers of joints lo..hi take in the first half kick: h/2 f.B v, v after it.
-   !> lo is the first joint of a block.
-   pure subroutine count_damping(batch, poses, h, lo, hi, joint)
+   !> Energy that the dampers of n joints from `from` take in half a step h: h/2 f.B v
+   pure subroutine count_damping(batch, v, w, h, from, n, b, joint)
       type(c_batch_t), intent(in) :: batch
-      type(poses_t), intent(in) :: poses
+      real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3) when B was found
       real(wp), intent(in) :: h
-      integer, intent(in) :: lo, hi
+      integer, intent(in) :: from, n             !! n <= BLOCK
+      real(wp), intent(in) :: b(BLOCK, N_B)
       type(c_joint_t), intent(inout) :: joint
 
       real(wp) :: rate(BLOCK, 6)
-      integer :: from, n, i, j, k
+      integer :: i, j, k
 
-      do from = lo, hi, BLOCK
-         n = min(BLOCK, hi - from + 1)
-         call rates(batch, poses, from, n, joint%b(:, :, (from - 1)/BLOCK + 1), rate)
-         do k = 1, NDOF
-            !$omp simd private(j)
-            do i = 1, n
-               j = from + i - 1
-               joint%dissipated(j) = joint%dissipated(j) + 0.5_wp*h*joint%fd(j, k)*rate(i, k)
-            end do
+      call rates(batch, v, w, from, n, b, rate)
+      do k = 1, NDOF
+         !$omp simd private(j)
+         do i = 1, n
+            j = from + i - 1
+            joint%dissipated(j) = joint%dissipated(j) + 0.5_wp*h*joint%fd(j, k)*rate(i, k)
          end do
       end do
    end subroutine count_damping
@@ -122,89 +121,6 @@ contains
          end do
       end if
    end subroutine damper
-
-   !> S = B M^-1 B^T of each joint, lower triangle by rows: s11, s21, s22, s31, ...
-   pure subroutine compliance(batch, poses, from, n, b, s)
-      type(c_batch_t), intent(in) :: batch
-      type(poses_t), intent(in) :: poses
-      integer, intent(in) :: from, n
-      real(wp), intent(in) :: b(BLOCK, N_B)
-      real(wp), intent(out) :: s(BLOCK, 21)
-
-      real(wp), dimension(BLOCK, 9) :: m2, j1, j2, jr
-      real(wp) :: im(BLOCK), ij1(BLOCK, 6), ij2(BLOCK, 6)
-      integer :: i, k, l, at, lead1, lead2
-
-      do i = 1, n
-         lead1 = batch%lead(from + i - 1, 1)
-         lead2 = batch%lead(from + i - 1, 2)
-         im(i) = poses%im(lead1) + poses%im(lead2)
-         do k = 1, 6
-            ij1(i, k) = poses%ij(lead1, k)
-            ij2(i, k) = poses%ij(lead2, k)
-         end do
-      end do
-      do k = 1, 7, 3
-         !$omp simd
-         do i = 1, n
-            m2(i, k) = (b(i, 29)*b(i, k + 2) - b(i, 30)*b(i, k + 1)) - b(i, k + 9)
-            m2(i, k + 1) = (b(i, 30)*b(i, k) - b(i, 28)*b(i, k + 2)) - b(i, k + 10)
-            m2(i, k + 2) = (b(i, 28)*b(i, k + 1) - b(i, 29)*b(i, k)) - b(i, k + 11)
-         end do
-      end do
-      call weigh(n, ij1, b(:, 10:18), j1)
-      call weigh(n, ij2, m2, j2)
-      at = 0
-      do k = 1, 7, 3
-         do l = 1, k, 3
-            at = at + 1
-            !$omp simd
-            do i = 1, n
-               s(i, at) = b(i, k + 9)*j1(i, l) + b(i, k + 10)*j1(i, l + 1) + &
-                  b(i, k + 11)*j1(i, l + 2) + m2(i, k)*j2(i, l) + &
-                  m2(i, k + 1)*j2(i, l + 1) + m2(i, k + 2)*j2(i, l + 2) + &
-                  im(i)*(b(i, k)*b(i, l) + b(i, k + 1)*b(i, l + 1) + b(i, k + 2)*b(i, l + 2))
-            end do
-         end do
-      end do
-      ij1(:n, :) = ij1(:n, :) + ij2(:n, :)
-      call weigh(n, ij1, b(:, 19:27), jr)
-      do k = 19, 25, 3
-         do l = 1, 7, 3
-            at = at + 1
-            !$omp simd
-            do i = 1, n
-               s(i, at) = b(i, k)*(j1(i, l) - j2(i, l)) + b(i, k + 1)*(j1(i, l + 1) - &
-                  j2(i, l + 1)) + b(i, k + 2)*(j1(i, l + 2) - j2(i, l + 2))
-            end do
-         end do
-         do l = 1, k - 18, 3
-            at = at + 1
-            !$omp simd
-            do i = 1, n
-               s(i, at) = b(i, k)*jr(i, l) + b(i, k + 1)*jr(i, l + 1) + b(i, k + 2)*jr(i, l + 2)
-            end do
-         end do
-      end do
-   end subroutine compliance
-
-   !> y = J^-1 b for three vectors
-   pure subroutine weigh(n, ij, b, y)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: ij(BLOCK, 6), b(BLOCK, 9)
-      real(wp), intent(out) :: y(BLOCK, 9)
-
-      integer :: i, k
-
-      do k = 1, 7, 3
-         !$omp simd
-         do i = 1, n
-            y(i, k) = ij(i, 1)*b(i, k) + ij(i, 4)*b(i, k + 1) + ij(i, 5)*b(i, k + 2)
-            y(i, k + 1) = ij(i, 4)*b(i, k) + ij(i, 2)*b(i, k + 1) + ij(i, 6)*b(i, k + 2)
-            y(i, k + 2) = ij(i, 5)*b(i, k) + ij(i, 6)*b(i, k + 1) + ij(i, 3)*b(i, k + 2)
-         end do
-      end do
-   end subroutine weigh
 
    !> f := (1 + g C S)^-1 f for a block, C diagonal >= 0, S symmetric >= 0.
    !>

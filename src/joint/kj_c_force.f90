@@ -10,6 +10,7 @@ module kj_c_force
    use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, &
       CHART_UNIVERSAL, N_B
    use kj_c_matrix, only: poses_t, rates, put_wrench, add_moment
+   use kj_c_damper, only: count_damping
    use kj_c_limit, only: add_limits
    use kj_c_friction, only: turn_in_frame
    use kj_spring, only: spring_axes
@@ -22,8 +23,9 @@ module kj_c_force
 
 contains
 
-   !> Pass 1 for joints lo..hi: coordinates, B, spring forces, spring work, rates with the
-   !> velocities of the half step; wrench of springs and limits, and of the dampers as they were.
+   !> Pass 1 for joints lo..hi: what the dampers took before the drift (B is still that of then),
+   !> coordinates, B, spring forces, spring work, rates with the velocities of the half step; wrench
+   !> of springs and limits, and of the dampers as they were.
    !>
    !> lo is the first joint of a block: a multiple of BLOCK, plus 1.
    pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
@@ -43,6 +45,8 @@ contains
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
          at = (from - 1)/BLOCK + 1
+         if (batch%damped .and. poses%h > 0.0_wp) call count_damping(batch, poses%v, poses%w_left, &
+            poses%h, from, n, joint%b(:, :, at), joint)
          call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
          call laws(batch, curves, poses, from, n, q, joint%b(:, 19:27, at), joint, f, lost)
          call keep_coordinates(from, n, q, f, joint)
@@ -57,7 +61,7 @@ contains
             call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
          end if
          if (batch%damped) then
-            call rates(batch, poses, from, n, joint%b(:, :, at), q)
+            call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, at), q)
             do k = 1, 6
                joint%qd(from:to, k) = q(:n, k)
                q(:n, k) = joint%fd(from:to, k)

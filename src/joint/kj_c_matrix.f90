@@ -22,6 +22,8 @@ module kj_c_matrix
       real(wp), allocatable :: d(:, :)
       real(wp), allocatable :: quat(:, :)         !! (n_lead, 4) attitude: world from body axes
       real(wp), allocatable :: v(:, :), w(:, :)   !! (n_lead, 3) velocities; predicted in pass 2
+      !> (n_lead, 3) angular velocity of the half step, before its drift
+      real(wp), allocatable :: w_left(:, :)
       !> (n_lead, 3) turn in the last step, rotation vector
       real(wp), allocatable :: psi(:, :)
       real(wp), allocatable :: im(:)              !! (n_lead) inverse mass times number of joints
@@ -92,15 +94,15 @@ contains
 
       do from = 1, batch%n, BLOCK
          n = min(BLOCK, batch%n - from + 1)
-         call rates(batch, poses, from, n, joint%b(:, :, (from - 1)/BLOCK + 1), part)
+         call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, (from - 1)/BLOCK + 1), part)
          rate(from:from + n - 1, :) = part(:n, :)
       end do
    end subroutine joint_rates
 
    !> q' = B v: translations e.(v2 - v1 - w2 x d) + m1.(w2 - w1), rotations rot.(w2 - w1)
-   pure subroutine rates(batch, poses, from, n, b, rate)
+   pure subroutine rates(batch, v, w, from, n, b, rate)
       type(c_batch_t), intent(in) :: batch
-      type(poses_t), intent(in) :: poses
+      real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: b(BLOCK, N_B)
       real(wp), intent(out) :: rate(BLOCK, 6)
@@ -112,9 +114,9 @@ contains
          lead1 = batch%lead(from + i - 1, 1)
          lead2 = batch%lead(from + i - 1, 2)
          do k = 1, 3
-            dv(i, k) = poses%v(lead2, k) - poses%v(lead1, k)
-            w2(i, k) = poses%w(lead2, k)
-            dw(i, k) = w2(i, k) - poses%w(lead1, k)
+            dv(i, k) = v(lead2, k) - v(lead1, k)
+            w2(i, k) = w(lead2, k)
+            dw(i, k) = w2(i, k) - w(lead1, k)
          end do
       end do
       !$omp simd

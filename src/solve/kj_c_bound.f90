@@ -8,19 +8,18 @@
 module kj_c_bound
    use kj_kinds, only: wp
    use kj_math3, only: cross
-   use kj_lapack, only: largest_eigenvalue
-   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_curve, only: curve_set_t
+   use kj_joint_batch, only: LAW_DAMPER_CURVE
    use kj_model, only: model_t
+   use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, matrix_of, CHART_VECTOR, CHART_LINE, N_B
-   use kj_c_limit, only: limit_stiffness
+   use kj_c_compliance, only: end_inertias, compliance, eigenvalues_from_above
    use kj_c_state, only: c_model_t, c_state_t
-   use kj_c_hold, only: body_matrix
+   use kj_c_body, only: inverse_inertias
+   use kj_c_one_joint, only: largest_stiffness, steepest, compliances, spin_up, eigenvalue
    implicit none
    private
 
-   public :: bound_t, new_bound, renew_bound, has_moved, compliances, largest_stiffness, &
-      rows_of_end
+   public :: bound_t, new_bound, renew_bound, has_moved
 
    !> The safe bound and what it rests on
    type :: bound_t
@@ -31,7 +30,8 @@ module kj_c_bound
       !> (6, n_element) largest damping of each dof, 0 where implicit
       real(wp), allocatable :: c(:, :)
       real(wp), allocatable :: limit(:)          !! (n_element) step that each joint allows
-      real(wp), allocatable :: q(:, :)           !! (6, n_element) coordinates then
+      real(wp), allocatable :: q(:, :)           !! (n_element, 6) coordinates then
+      real(wp), allocatable :: reach(:)          !! (n_element) slide that asks for a new evaluation
       !> (27, n_element) of springs: directions and couples, then
       real(wp), allocatable :: rows(:, :)
    end type bound_t
@@ -59,7 +59,8 @@ contains
 
       allocate (bound%share(2, model%n_element), bound%k(6, model%n_element), &
          bound%limit(model%n_element))
-      allocate (bound%q(6, model%n_element), bound%c(6, model%n_element), source=0.0_wp)
+      allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), &
+         bound%c(6, model%n_element), source=0.0_wp)
       if (any(c%batch%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
       do b = 1, size(c%batch)
          do i = 1, c%batch(b)%n
@@ -86,14 +87,14 @@ contains
       call keep_pose(c, state, bound)
    end subroutine new_bound
 
-   !> The bound in the present pose with the shares as they are
+   !> The bound in the present pose with the shares as they are, from below by at most 0.4 %
    subroutine renew_bound(c, state, bound)
       type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(in) :: state
+      type(c_state_t), intent(inout) :: state    !! of the poses the inverse inertias
       type(bound_t), intent(inout) :: bound
 
       real(wp) :: lambda(size(bound%limit))
-      integer :: b, i
+      integer :: b, i, piece
 
       do b = 1, size(c%batch)
          if (c%batch(b)%chart /= CHART_LINE) cycle
@@ -103,10 +104,66 @@ contains
             end associate
          end do
       end do
-      call eigenvalues(c, state, bound, lambda)
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
+      do piece = 1, size(c%team%lead, 2)
+         call inverse_inertias(c, state%poses%quat, c%team%lead(1, piece), &
+            c%team%lead(2, piece), state%poses%ij)
+      end do
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
+      do piece = 1, size(c%team%joint, 2)
+         call eigenvalues_of_blocks(c, state, bound, c%team%joint(:, piece), lambda)
+      end do
       call take(bound, lambda)
       call keep_pose(c, state, bound)
    end subroutine renew_bound
+
+   !> Largest eigenvalues of some joints of a batch, from above
+   pure subroutine eigenvalues_of_blocks(c, state, bound, piece, lambda)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+      integer, intent(in) :: piece(3)            !! batch, first, last joint
+      real(wp), intent(inout) :: lambda(:)       !! (n_element)
+
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), k(BLOCK, 6), &
+         c_part(BLOCK, 6), part(BLOCK), root(BLOCK), w1, w2, g
+      integer :: from, n, i, j
+
+      associate (batch => c%batch(piece(1)), joint => state%joint(piece(1)))
+         do from = piece(2), piece(3), BLOCK
+            n = min(BLOCK, piece(3) - from + 1)
+            call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
+            do i = 1, n
+               j = batch%first + from + i - 1
+               w1 = 1.0_wp/(bound%share(1, j)*c%n_joint(batch%lead(from + i - 1, 1)))
+               w2 = 1.0_wp/(bound%share(2, j)*c%n_joint(batch%lead(from + i - 1, 2)))
+               im(i, :) = im(i, :)*[w1, w2]
+               ij1(i, :) = ij1(i, :)*w1
+               ij2(i, :) = ij2(i, :)*w2
+               g = 1.0_wp
+               if (batch%chart == CHART_VECTOR) g = spin_up(joint%q(from + i - 1, 4:6))
+               k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
+               c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
+            end do
+            call compliance(n, joint%b(:, :, (from - 1)/BLOCK + 1), im, ij1, ij2, s)
+            call eigenvalues_from_above(n, s, k, part)
+            if (any(c_part(:n, :) > 0.0_wp)) then
+               call eigenvalues_from_above(n, s, c_part, root)
+               part(:n) = explicit(part(:n), root(:n))
+            end if
+            lambda(batch%first + from:batch%first + from + n - 1) = part(:n)
+         end do
+      end associate
+   end subroutine eigenvalues_of_blocks
+
+   !> Eigenvalue that limits Runge-Kutta of fourth order when damping has one too
+   elemental real(wp) function explicit(stiffness, damping) result(lambda)
+      real(wp), intent(in) :: stiffness, damping
+
+      lambda = stiffness
+      if (damping > 0.0_wp) &
+         lambda = ((0.5_wp*damping + sqrt((0.5_wp*damping)**2 + stiffness))*2.0_wp/RK4_RADIUS)**2
+   end function explicit
 
    !> Transverse stiffness F/L of a stretched spring along its line; k where it has no length
    pure real(wp) function tension(batch, state, b, i, k) result(stiffness)
@@ -128,27 +185,60 @@ contains
       type(c_state_t), intent(in) :: state
       type(bound_t), intent(in) :: bound
 
-      integer :: b, i, j
-      real(wp) :: arm, rows(27)
+      integer :: b, from, to
 
       moved = .true.
       do b = 1, size(c%batch)
-         do i = 1, c%batch(b)%n
-            j = c%batch(b)%first + i
-            if (maxval(abs(state%joint(b)%q(i, 4:6) - bound%q(4:6, j))) > TURN) return
-            arm = norm2(c%batch(b)%arm(i, 1:3)) + norm2(c%batch(b)%arm(i, 4:6)) + &
-               norm2(c%batch(b)%xl0(i, :) + bound%q(1:3, j))
-            if (maxval(abs(state%joint(b)%q(i, 1:3) - bound%q(1:3, j))) > TURN*max(arm, &
-               tiny(1.0_wp))) return
+         do from = 1, c%batch(b)%n, BLOCK
+            to = min(from + BLOCK - 1, c%batch(b)%n)
+            if (block_moved(from, to, c%batch(b)%first, state%joint(b)%q, bound)) return
             if (.not. c%batch(b)%spring) cycle
-            rows = abs(rows_of(state, b, i) - bound%rows(:, j))
-            if (maxval(rows(:9)) > TURN .or. maxval(rows(10:)) > TURN*arm) return
+            if (axes_moved(c%batch(b), state, b, from, to, bound)) return
          end do
       end do
       moved = .false.
    end function has_moved
 
-   !> Directions and couples of a spring: its axes do not turn with the coordinates alone
+   !> The same of the coordinates of joints from..to of a batch
+   pure logical function block_moved(from, to, first, q, bound) result(moved)
+      integer, intent(in) :: from, to, first     !! first: joints before the batch
+      real(wp), contiguous, intent(in) :: q(:, :)
+      type(bound_t), intent(in) :: bound
+
+      real(wp) :: worst
+      integer :: i, k
+
+      worst = 0.0_wp
+      do k = 1, 3
+         !$omp simd reduction(max: worst)
+         do i = from, to
+            worst = max(worst, abs(q(i, k) - bound%q(first + i, k)) - bound%reach(first + i), &
+               abs(q(i, k + 3) - bound%q(first + i, k + 3)) - TURN)
+         end do
+      end do
+      moved = worst > 0.0_wp
+   end function block_moved
+
+   !> Axes of springs do not turn with the coordinates alone
+   pure logical function axes_moved(batch, state, b, from, to, bound) result(moved)
+      type(c_batch_t), intent(in) :: batch
+      type(c_state_t), intent(in) :: state
+      integer, intent(in) :: b, from, to
+      type(bound_t), intent(in) :: bound
+
+      real(wp) :: rows(27)
+      integer :: i, j
+
+      moved = .true.
+      do i = from, to
+         j = batch%first + i
+         rows = abs(rows_of(state, b, i) - bound%rows(:, j))
+         if (maxval(rows(:9)) > TURN .or. maxval(rows(10:)) > bound%reach(j)) return
+      end do
+      moved = .false.
+   end function axes_moved
+
+   !> Directions and couples of a spring
    pure function rows_of(state, b, i) result(rows)
       type(c_state_t), intent(in) :: state
       integer, intent(in) :: b, i
@@ -172,11 +262,12 @@ contains
       integer :: b, i
 
       do b = 1, size(c%batch)
-         associate (first => c%batch(b)%first)
-            bound%q(:, first + 1:first + c%batch(b)%n) = transpose(state%joint(b)%q)
-            if (.not. c%batch(b)%spring) cycle
-            do i = 1, c%batch(b)%n
-               bound%rows(:, first + i) = rows_of(state, b, i)
+         associate (batch => c%batch(b), first => c%batch(b)%first)
+            bound%q(first + 1:first + batch%n, :) = state%joint(b)%q
+            do i = 1, batch%n
+               bound%reach(first + i) = TURN*max(tiny(1.0_wp), norm2(batch%arm(i, 1:3)) + &
+                  norm2(batch%arm(i, 4:6)) + norm2(batch%xl0(i, :) + state%joint(b)%q(i, 1:3)))
+               if (batch%spring) bound%rows(:, first + i) = rows_of(state, b, i)
             end do
          end associate
       end do
@@ -205,7 +296,7 @@ contains
       type(bound_t), intent(in) :: bound
       real(wp), intent(out) :: lambda(:)
 
-      real(wp) :: s(6, 6, 2), root
+      real(wp) :: s(6, 6, 2)
       integer :: b, i, j
 
       do b = 1, size(c%batch)
@@ -214,10 +305,8 @@ contains
             call compliances(c, state, b, i, s)
             s(:, :, 1) = s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j)
             lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1))
-            if (.not. any(bound%c(:, j) > 0.0_wp)) cycle
-            root = 0.5_wp*eigenvalue(bound%c(:, j), s(:, :, 1))
-            root = (root + sqrt(root**2 + lambda(j)))*2.0_wp/RK4_RADIUS
-            lambda(j) = root**2
+            if (any(bound%c(:, j) > 0.0_wp)) &
+               lambda(j) = explicit(lambda(j), eigenvalue(bound%c(:, j), s(:, :, 1)))
          end do
       end do
    end subroutine eigenvalues
@@ -264,97 +353,5 @@ contains
          end do
       end do
    end subroutine divide
-
-   !> Largest stiffness of each dof of joint i, limits included
-   pure function largest_stiffness(curves, batch, i) result(k)
-      type(curve_set_t), intent(in) :: curves
-      type(c_batch_t), intent(in) :: batch
-      integer, intent(in) :: i
-      real(wp) :: k(6)
-
-      k = steepest(curves, LAW_SPRING_CURVE, batch%law, batch%k(i, :), batch%k_curve(i, :))
-      if (batch%limited) k = k + limit_stiffness(batch, curves, i)
-   end function largest_stiffness
-
-   !> Largest stiffness or damping of each dof: that of a curve is its steepest rise anywhere
-   pure function steepest(curves, bit, law, value, curve) result(k)
-      type(curve_set_t), intent(in) :: curves
-      integer, intent(in) :: bit                 !! LAW_ bit of a curve
-      integer, intent(in) :: law(6), curve(6)
-      real(wp), intent(in) :: value(6)
-      real(wp) :: k(6)
-
-      integer :: dof, p
-
-      k = max(0.0_wp, value)
-      do dof = 1, 6
-         if (iand(law(dof), bit) == 0) cycle
-         k(dof) = 0.0_wp
-         do p = curves%first(curve(dof)), curves%first(curve(dof) + 1) - 2
-            k(dof) = max(k(dof), value(dof)*(curves%y(p + 1) - curves%y(p))/(curves%x(p + 1) - &
-               curves%x(p)))
-         end do
-      end do
-   end function steepest
-
-   !> B_b M_b^-1 B_b^T of joint i of batch b, for both ends
-   subroutine compliances(c, state, b, i, s)
-      type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(in) :: state
-      integer, intent(in) :: b, i
-      real(wp), intent(out) :: s(6, 6, 2)
-
-      real(wp) :: rows(6, 6), g
-      integer :: e, lead
-
-      do e = 1, 2
-         lead = c%batch(b)%lead(i, e)
-         rows = rows_of_end(c%batch(b), state, b, i, e)
-         g = c%im(lead)
-         s(:, :, e) = matmul(rows(:, 1:3), transpose(rows(:, 1:3)))*g
-         rows(:, 4:6) = matmul(rows(:, 4:6), body_matrix(state, lead))
-         s(:, :, e) = s(:, :, e) + matmul(rows(:, 4:6)*spread(c%ii(lead, :), 1, 6), &
-            transpose(rows(:, 4:6)))
-      end do
-   end subroutine compliances
-
-   !> Rows of B of one end: columns 1-3 velocity, 4-6 angular velocity of its lead
-   pure function rows_of_end(batch, state, b, i, e) result(rows)
-      type(c_batch_t), intent(in) :: batch
-      type(c_state_t), intent(in) :: state
-      integer, intent(in) :: b, i, e
-      real(wp) :: rows(6, 6)
-
-      real(wp) :: sign, g, a, m(N_B)
-      integer :: k
-
-      sign = merge(-1.0_wp, 1.0_wp, e == 1)
-      g = 1.0_wp
-      associate (joint => state%joint(b))
-         if (batch%chart == CHART_VECTOR) then
-            a = 0.5_wp*norm2(joint%q(i, 4:6))
-            if (a > 1.0e-3_wp) g = abs(a/sin(a))
-         end if
-         m = matrix_of(joint, i)
-         rows = 0.0_wp
-         do k = 1, 3
-            rows(k, 1:3) = sign*m(3*k - 2:3*k)
-            rows(k, 4:6) = -m(3*k + 7:3*k + 9)
-            if (e == 2) rows(k, 4:6) = m(3*k + 7:3*k + 9) - cross(m(28:30), m(3*k - 2:3*k))
-            rows(k + 3, 4:6) = sign*g*m(3*k + 16:3*k + 18)
-         end do
-      end associate
-   end function rows_of_end
-
-   !> Largest eigenvalue of K^1/2 S K^1/2
-   real(wp) function eigenvalue(k, s) result(lambda)
-      real(wp), intent(in) :: k(6), s(6, 6)
-
-      real(wp) :: a(6, 6), root(6)
-
-      root = sqrt(k)
-      a = s*spread(root, 2, 6)*spread(root, 1, 6)
-      call largest_eigenvalue(6, a, lambda)
-   end function eigenvalue
 
 end module kj_c_bound

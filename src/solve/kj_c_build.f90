@@ -305,8 +305,9 @@ contains
          allocate (p%quat, source=c%quat0)
          allocate (p%v, source=model%v0(:n, :))
          allocate (state%v, source=model%v0(:n, :))
-         allocate (p%w(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), p%d(n, 3), state%l(n, 3), &
-            state%f(n, 3), state%t(n, 3), state%own_f(n, 3), state%own_t(n, 3), source=0.0_wp)
+         allocate (p%w(n, 3), p%w_left(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), p%d(n, 3), &
+            state%l(n, 3), state%f(n, 3), &
+            state%t(n, 3), state%own_f(n, 3), state%own_t(n, 3), source=0.0_wp)
          allocate (state%impulse(model%n_body, 3), state%angular_impulse(model%n_body, 3), &
             state%turn(model%n_body, 3), source=0.0_wp)
          p%im = c%im*c%n_joint

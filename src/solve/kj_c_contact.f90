@@ -22,7 +22,7 @@ module kj_c_contact
    use kj_c_batch, only: c_batch_t, c_joint_t
    use kj_c_limit, only: stop_stiffness
    use kj_c_state, only: c_model_t, c_state_t
-   use kj_c_bound, only: compliances
+   use kj_c_one_joint, only: compliances
    implicit none
    private
 

@@ -9,7 +9,8 @@ module kj_c_limits
    use kj_model, only: model_t
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_hold, only: body_matrix
-   use kj_c_bound, only: bound_t, largest_stiffness, rows_of_end
+   use kj_c_bound, only: bound_t
+   use kj_c_one_joint, only: largest_stiffness, rows_of_end
    implicit none
    private
 

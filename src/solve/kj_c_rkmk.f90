@@ -162,8 +162,12 @@ contains
       state%poses%v = state%v
       call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       do b = 1, size(c%batch)
-         if (c%batch(b)%damped) call count_damping(c%batch(b), state%poses, 2.0_wp*share, 1, &
-            c%batch(b)%n, state%joint(b))
+         if (.not. c%batch(b)%damped) cycle
+         do i = 1, c%batch(b)%n, BLOCK
+            call count_damping(c%batch(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
+               min(BLOCK, c%batch(b)%n - i + 1), state%joint(b)%b(:, :, (i - 1)/BLOCK + 1), &
+               state%joint(b))
+         end do
       end do
       work = work + share*load_power(model, c, state)
       associate (n => model%n_body)

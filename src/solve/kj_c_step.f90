@@ -7,7 +7,7 @@ module kj_c_step
    use kj_skew, only: move_skews
    use kj_assembly, only: lead_map_t
    use kj_c_force, only: add_springs
-   use kj_c_damper, only: add_dampers, count_damping
+   use kj_c_damper, only: add_dampers
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_load, only: add_loads, add_field
    use kj_c_midpoint, only: midpoint_drift
@@ -41,7 +41,6 @@ contains
       call kick_all(model, c, h, state)
       call project(model, c, state, mean, active, FIRST_HALF, before)
       call turn_half(c, h, state)
-      call count_all_damping(c, h, state)
       do i = 1, size(c%hold)
          old(:, i) = state%poses%quat(c%hold(i)%lead, :)
          w(:, i) = state%poses%w(c%hold(i)%lead, :)
@@ -99,28 +98,12 @@ contains
          do k = 1, 3
             do i = c%team%lead(1, piece), c%team%lead(2, piece)
                state%poses%psi(i, k) = 0.5_wp*h*state%poses%w(i, k)
+               state%poses%w_left(i, k) = state%poses%w(i, k)
                state%poses%v(i, k) = state%v(i, k)
             end do
          end do
       end do
    end subroutine turn_half
-
-   !> What the dampers take in the first half kick
-   subroutine count_all_damping(c, h, state)
-      type(c_model_t), intent(in) :: c
-      real(wp), intent(in) :: h
-      type(c_state_t), intent(inout) :: state
-
-      integer :: piece, b
-
-      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1) &
-      !$omp private(b)
-      do piece = 1, size(c%team%joint, 2)
-         b = c%team%joint(1, piece)
-         if (c%batch(b)%damped) call count_damping(c%batch(b), state%poses, h, &
-            c%team%joint(2, piece), c%team%joint(3, piece), state%joint(b))
-      end do
-   end subroutine count_all_damping
 
    subroutine drift_all(c, midpoint, h, state)
       type(c_model_t), intent(in) :: c
