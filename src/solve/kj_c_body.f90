@@ -16,7 +16,7 @@ module kj_c_body
 contains
 
    !> v += h/2 f/m, L += h/2 t of leads lo..hi; blocked leads have no inverse mass or inertia
-   subroutine kick(c, state, h, lo, hi)
+   pure subroutine kick(c, state, h, lo, hi)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
       real(wp), intent(in) :: h                       !! the whole step
@@ -38,7 +38,7 @@ contains
    !> Three unequal inertias: half, half about the smallest and the middle axis, whole about the
    !> largest, and back. Two equal ones: the exact motion, a turn h L/It in space and one about the
    !> axis of symmetry by h l (1/Ia - 1/It).
-   subroutine drift(c, state, h, lo, hi)
+   pure subroutine drift(c, state, h, lo, hi)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
       real(wp), intent(in) :: h
@@ -195,7 +195,7 @@ contains
    end subroutine conjugate_turn
 
    !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m, J^-1 (L + h/2 t)
-   subroutine predict(c, h, lo, hi, state)
+   pure subroutine predict(c, h, lo, hi, state)
       type(c_model_t), intent(in) :: c
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi

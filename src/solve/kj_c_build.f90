@@ -10,8 +10,9 @@ module kj_c_build
    use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, new_c_limits, &
       CHART_UNIVERSAL, CHART_VECTOR
    use kj_c_matrix, only: N_C_WRENCH
-   use kj_c_state, only: c_model_t, c_state_t, hold_t, row_t
-   use kj_c_hold, only: motion_targets, project, WHOLE
+   use kj_c_state, only: c_model_t, c_state_t, row_t
+   use kj_c_collect, only: collect_holds
+   use kj_c_hold, only: motion_targets, project_all, WHOLE
    use kj_c_step, only: find_forces
    use kj_c_build_limit, only: build_limits, direction_inertia, start_energies
    implicit none
@@ -106,61 +107,6 @@ contains
       end if
       if (load%skew > 0) steady = steady .and. model%skews%dir(load%skew) == 0
    end function is_steady
-
-   !> Conditions and imposed motions of each lead as rows
-   subroutine collect_holds(model, c)
-      type(model_t), intent(in) :: model
-      type(c_model_t), intent(inout) :: c
-
-      type(hold_t), allocatable :: hold(:)
-      integer :: i, k, n
-      type(row_t) :: row
-
-      c%hold_of = 0
-      allocate (hold(size(model%bcs) + size(model%motion)))
-      n = 0
-      do i = 1, size(model%bcs)
-         do k = 1, 6
-            if (.not. model%bcs(i)%fixed(k)) cycle
-            row%dir = k
-            row%skew = model%bcs(i)%skew
-            row%motion = 0
-            call add_row(model%bcs(i)%lead, row)
-         end do
-      end do
-      do i = 1, size(model%motion)
-         row%dir = model%motion(i)%dir
-         row%skew = model%motion(i)%skew
-         row%motion = i
-         call add_row(model%motion(i)%lead, row)
-      end do
-      c%hold = hold(:n)
-   contains
-      subroutine add_row(lead, new)
-         integer, intent(in) :: lead
-         type(row_t), intent(in) :: new
-
-         integer :: at
-
-         ! a node without inertia does not turn at all
-         if (new%dir > 3 .and. .not. model%inertia(lead) > 0.0_wp) return
-         if (c%hold_of(lead) == 0) then
-            n = n + 1
-            c%hold_of(lead) = n
-            hold(n)%lead = lead
-         end if
-         at = c%hold_of(lead)
-         if (new%dir <= 3) then
-            if (hold(at)%n_trans == 3) return
-            hold(at)%n_trans = hold(at)%n_trans + 1
-            hold(at)%trans(hold(at)%n_trans) = new
-         else
-            if (hold(at)%n_rot == 3) return
-            hold(at)%n_rot = hold(at)%n_rot + 1
-            hold(at)%rot(hold(at)%n_rot) = new
-         end if
-      end subroutine add_row
-   end subroutine collect_holds
 
    !> Inverse masses and inertias, principal axes sorted by descending inertia
    subroutine set_inertia(model, c)
@@ -328,6 +274,8 @@ contains
          state%field(3, size(model%gravity)), source=0.0_wp)
       allocate (state%load_place, source=state%load_force)
       call start_motions(model, state)
+      allocate (state%kept%rates(6, size(c%hold)), state%kept%quat(4, size(c%hold)), &
+         state%kept%w(3, size(c%hold)), state%kept%work(2, size(c%hold)), source=0.0_wp)
       state%work = 0.0_wp
       call settle(model, c, state)
       call start_energies(model, c, state)
@@ -339,14 +287,13 @@ contains
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
 
-      real(wp) :: mean(size(model%motion)), final(size(model%motion)), before(6, size(c%hold)), work
+      real(wp) :: mean(size(model%motion)), final(size(model%motion)), work
       logical :: active(size(model%motion))
 
-      before = 0.0_wp
       work = state%work
       call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
       active = active .and. model%motion%kind == 1
-      call project(model, c, state, final, active, WHOLE, before)
+      call project_all(model, c, final, active, WHOLE, state)
       state%work = work
       call find_forces(model, c, 0.0_wp, final, active, state)
    end subroutine settle

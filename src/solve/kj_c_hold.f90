@@ -9,14 +9,15 @@ module kj_c_hold
    use kj_model, only: model_t, motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_c_state, only: c_model_t, c_state_t, row_t
-   use kj_c_body, only: columns
+   use kj_c_body, only: columns, spin_velocity
    implicit none
    private
 
    !> Part of a step that a projection ends
    integer, parameter, public :: FIRST_HALF = 1, SECOND_HALF = 2, WHOLE = 3
 
-   public :: project, project_rates, hold_rotations, body_matrix, motion_targets, held_force
+   public :: project, project_all, count_work, keep_rates, project_rates, hold_rotations, &
+      body_matrix, motion_targets, held_force
 
 contains
 
@@ -96,43 +97,85 @@ contains
       end do
    end function slope_at
 
-   !> Bring velocity and angular momentum of the held leads onto their conditions.
+   !> Velocities of the leads of holds first..last, into state%kept
+   pure subroutine keep_rates(c, first, last, state)
+      type(c_model_t), intent(in) :: c
+      integer, intent(in) :: first, last
+      type(c_state_t), intent(inout) :: state
+
+      integer :: i, lead
+
+      do i = first, last
+         lead = c%hold(i)%lead
+         call spin_velocity(c, state%poses%quat, state%l, lead, lead, state%poses%w)
+         state%kept%rates(:, i) = [state%v(lead, :), state%poses%w(lead, :)]
+      end do
+   end subroutine keep_rates
+
+   !> Project all held leads, and count the work
+   subroutine project_all(model, c, target, active, part, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: target(:)              !! (n_motion) wanted velocity
+      logical, intent(in) :: active(:)
+      integer, intent(in) :: part
+      type(c_state_t), intent(inout) :: state
+
+      call project(model, c, target, active, part, 1, size(c%hold), state)
+      call count_work(state)
+   end subroutine project_all
+
+   !> Count the work of the last projections
+   pure subroutine count_work(state)
+      type(c_state_t), intent(inout) :: state
+
+      integer :: i
+
+      do i = 1, size(state%kept%work, 2)
+         state%work = state%work + state%kept%work(1, i)
+         state%work = state%work + state%kept%work(2, i)
+      end do
+   end subroutine count_work
+
+   !> Bring velocity and angular momentum of the leads of holds first..last onto their conditions.
    !>
    !> v += B^T (B B^T)^-1 (u - B v), L += B^T (B J^-1 B^T)^-1 (u - B J^-1 L); work of driven rows:
    !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the
-   !> second, the mean of start and end over a whole step
-   subroutine project(model, c, state, target, active, part, before)
+   !> second, the mean of start and end over a whole step. Velocities before the kick: keep_rates.
+   subroutine project(model, c, target, active, part, first, last, state)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(inout) :: state
       real(wp), intent(in) :: target(:)              !! (n_motion) wanted velocity
       logical, intent(in) :: active(:)
       integer, intent(in) :: part                    !! of the step that was kicked: FIRST_HALF, ...
-      real(wp), intent(in) :: before(:, :)           !! (6, n_hold) velocities v, w before that kick
+      integer, intent(in) :: first, last
+      type(c_state_t), intent(inout) :: state
 
-      real(wp) :: b(3, 3), u(3), power
+      real(wp) :: b(3, 3), u(3), power, before(6)
       logical :: drives(3)
       integer :: i, lead, n
 
-      do i = 1, size(c%hold)
+      do i = first, last
+         state%kept%work(:, i) = 0.0_wp
+         before = state%kept%rates(:, i)
          associate (hold => c%hold(i))
             lead = hold%lead
             call rows_of(state, hold%trans(:hold%n_trans), target, active, b, u, drives, n)
             if (n == 3 .and. .not. any(drives)) then
                state%v(lead, :) = 0.0_wp
             else if (n > 0) then
-               call drive(n, b, u, drives, part, before(1:3, i), unit_inverse(1.0_wp), &
+               call drive(n, b, u, drives, part, before(1:3), unit_inverse(1.0_wp), &
                   state%v(lead, :), power)
-               state%work = state%work + model%mass(lead)*power
+               state%kept%work(1, i) = model%mass(lead)*power
             end if
             call rows_of(state, hold%rot(:hold%n_rot), target, active, b, u, drives, n)
             if (n == 0) cycle
             if (n == 3 .and. .not. any(drives(:3))) then
                state%l(lead, :) = 0.0_wp
             else
-               call drive(n, b, u, drives, part, before(4:6, i), inverse_inertia(c, state, lead), &
+               call drive(n, b, u, drives, part, before(4:6), inverse_inertia(c, state, lead), &
                   state%l(lead, :), power)
-               state%work = state%work + power
+               state%kept%work(2, i) = power
                if (part == FIRST_HALF .and. n == 1) call lean_back(c, state, lead, b, u)
             end if
          end associate
@@ -284,29 +327,30 @@ contains
    !> After the drift: leads with a single free axis e turn about it exactly, by h e.w; a lead with
    !> all axes held or driven turns with the driven velocity; with two free axes the plane rotations
    !> stay.
-   subroutine hold_rotations(c, state, h, target, active, old, w)
+   !>
+   !> Attitudes before the drift and angular velocities during it: state%kept
+   subroutine hold_rotations(c, h, target, active, first, last, state)
       type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(inout) :: state
       real(wp), intent(in) :: h
       real(wp), intent(in) :: target(:)              !! (n_motion)
       logical, intent(in) :: active(:)
-      real(wp), intent(in) :: old(:, :)              !! (4, n_hold) attitudes before the drift
-      !> (3, n_hold) angular velocities during the step
-      real(wp), intent(in) :: w(:, :)
+      integer, intent(in) :: first, last             !! holds
+      type(c_state_t), intent(inout) :: state
 
-      real(wp) :: q(4), p(4), b(3, 3), u(3)
+      real(wp) :: q(4), p(4), w(3), b(3, 3), u(3)
       logical :: drives(3)
       integer :: i, n, lead
 
-      do i = 1, size(c%hold)
+      do i = first, last
          lead = c%hold(i)%lead
          call rows_of(state, c%hold(i)%rot(:c%hold(i)%n_rot), target, active, b, u, drives, n)
          if (n < 2) cycle
-         q = to_quaternion(rotation(h*w(:, i)))
-         p = old(:, i)
+         w = state%kept%w(:, i)
+         q = to_quaternion(rotation(h*w))
+         p = state%kept%quat(:, i)
          state%poses%quat(lead, 1) = q(1)*p(1) - dot_product(q(2:4), p(2:4))
          state%poses%quat(lead, 2:4) = q(1)*p(2:4) + p(1)*q(2:4) + cross(q(2:4), p(2:4))
-         state%l(lead, :) = matmul(inertia(c, state, lead), w(:, i))
+         state%l(lead, :) = matmul(inertia(c, state, lead), w)
       end do
    end subroutine hold_rotations
 

@@ -9,9 +9,9 @@ module kj_c_rkmk
    use kj_c_damper, only: count_damping
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity, turn_in_space
-   use kj_c_hold, only: project, motion_targets, WHOLE
+   use kj_c_hold, only: project_all, keep_rates, motion_targets, WHOLE
    use kj_c_load, only: load_power
-   use kj_c_step, only: find_forces, keep_rates, reach_motions
+   use kj_c_step, only: find_forces, reach_motions
    implicit none
    private
 
@@ -37,7 +37,7 @@ contains
       type(rates_t) :: stage, total
       real(wp) :: x(model%n_lead, 3), d(model%n_lead, 3), quat(model%n_lead, 4), &
          v(model%n_lead, 3), &
-         l(model%n_lead, 3), before(6, size(c%hold)), time, work
+         l(model%n_lead, 3), time, work
       real(wp) :: mean(size(model%motion)), final(size(model%motion)), there(size(model%motion))
       logical :: active(size(model%motion))
       integer :: s
@@ -52,14 +52,14 @@ contains
       time = state%time
       work = state%work
       call motion_targets(model, state, h, mean, final, active)
-      call keep_rates(c, state, before)
+      call keep_rates(c, 1, size(c%hold), state)
       call zero(model%n_lead, total)
       call zero(model%n_lead, stage)
       do s = 1, 4
          if (s > 1) then
             call move(model, c, h*NODE(s), x, d, quat, v, l, stage, state)
             state%time = time
-            call hold_stage(model, c, h*NODE(s), before, time, state, there)
+            call hold_stage(model, c, h*NODE(s), time, state, there)
             call find_forces(model, c, 0.0_wp, there, active, state)
          end if
          call take_rates(model, c, h*WEIGHT(s), h*NODE(s), state, work, stage)
@@ -69,7 +69,7 @@ contains
       state%cycle = state%cycle + 1
       state%time = time + h
       state%work = work
-      call project(model, c, state, final, active, WHOLE, before)
+      call project_all(model, c, final, active, WHOLE, state)
       work = state%work
       call reach_motions(model, h, mean, final, active, state)
       state%poses%v = state%v
@@ -127,11 +127,11 @@ contains
    end subroutine move
 
    !> Conditions and drives on the velocities of a stage
-   subroutine hold_stage(model, c, h, before, time, state, target)
+   subroutine hold_stage(model, c, h, time, state, target)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       real(wp), intent(in) :: h                      !! from the start of the step to the stage
-      real(wp), intent(in) :: before(:, :), time
+      real(wp), intent(in) :: time
       type(c_state_t), intent(inout) :: state
       real(wp), intent(out) :: target(:)             !! velocities of the drives at the stage
 
@@ -140,7 +140,7 @@ contains
 
       call motion_targets(model, state, h, mean, target, active)
       state%time = time + h
-      call project(model, c, state, target, active, WHOLE, before)
+      call project_all(model, c, target, active, WHOLE, state)
       state%poses%v = state%v
       call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
    end subroutine hold_stage

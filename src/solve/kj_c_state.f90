@@ -9,7 +9,7 @@ module kj_c_state
    implicit none
    private
 
-   public :: c_model_t, c_state_t, row_t, hold_t
+   public :: c_model_t, c_state_t, row_t, hold_t, kept_t
 
    !> One held or driven direction of a lead
    type :: row_t
@@ -24,6 +24,15 @@ module kj_c_state
       integer :: n_trans = 0, n_rot = 0          !! rows used
       type(row_t) :: trans(3), rot(3)
    end type hold_t
+
+   !> What a step keeps of the leads that have conditions
+   type :: kept_t
+      real(wp), allocatable :: rates(:, :)       !! (6, n_hold) velocities before a kick
+      real(wp), allocatable :: quat(:, :)        !! (4, n_hold) attitudes before the drift
+      real(wp), allocatable :: w(:, :)           !! (3, n_hold) angular velocities of the drift
+      !> (2, n_hold) work that the last projection took, translations and rotations
+      real(wp), allocatable :: work(:, :)
+   end type kept_t
 
    !> Constants of the consistent formulation beside those of the model
    type :: c_model_t
@@ -43,7 +52,8 @@ module kj_c_state
       integer, allocatable :: placed(:)
       integer, allocatable :: loose(:, :)        !! (2, n) joint ends whose skew rides elsewhere
       logical, allocatable :: steady(:)          !! (gravity cards) constant: has a potential
-      type(hold_t), allocatable :: hold(:)
+      type(hold_t), allocatable :: hold(:)       !! ascending lead
+      integer, allocatable :: hold_to(:)         !! (0:blocks of leads) holds up to that block
       integer, allocatable :: hold_of(:)         !! (n_lead) its conditions, 0 = none
    end type c_model_t
 
@@ -67,6 +77,7 @@ module kj_c_state
       real(wp), allocatable :: impulse(:, :), angular_impulse(:, :), turn(:, :)
       real(wp), allocatable :: node(:, :)        !! (n_node, 3) positions of leads and placed nodes
       real(wp), allocatable :: skew(:, :)        !! (0:n_skew, 9)
+      type(kept_t) :: kept
       type(c_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_C_WRENCH, n_element)
       !> (n_motion) value reached: velocity of an imposed acceleration

@@ -1,0 +1,191 @@
+!> What a step does with its leads, block by block: between the forces of two poses a lead depends
+!> on no other.
+!> Source: consistent.md 1.
+module kj_c_leads
+   use kj_kinds, only: wp
+   use kj_joint_frame, only: BLOCK
+   use kj_model, only: model_t
+   use kj_assembly, only: lead_map_t
+   use kj_c_state, only: c_model_t, c_state_t
+   use kj_c_midpoint, only: midpoint_drift
+   use kj_c_body, only: kick, drift, predict, spin_velocity, inverse_inertias
+   use kj_c_hold, only: project, keep_rates, hold_rotations, FIRST_HALF, SECOND_HALF
+   implicit none
+   private
+
+   public :: move_leads, open_leads, look_leads, kick_leads, gather
+
+contains
+
+   !> First half kick and drift of leads lo..hi, with their conditions, and what they need before
+   !> the forces of the new pose. lo is the first lead of a block.
+   subroutine move_leads(model, c, midpoint, h, target, active, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      logical, intent(in) :: midpoint                !! liemid instead of split2
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: target(:)              !! (n_motion) mean velocities of the step
+      logical, intent(in) :: active(:)
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: from, to, first, last, i
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         first = c%hold_to((from - 1)/BLOCK) + 1
+         last = c%hold_to((to + BLOCK - 1)/BLOCK)
+         call keep_rates(c, first, last, state)
+         call half_kick(model, c, h, from, to, state)
+         call project(model, c, target, active, FIRST_HALF, first, last, state)
+         call half_turn(c, h, from, to, state)
+         do i = first, last
+            state%kept%quat(:, i) = state%poses%quat(c%hold(i)%lead, :)
+            state%kept%w(:, i) = state%poses%w(c%hold(i)%lead, :)
+         end do
+         if (midpoint) then
+            call midpoint_drift(c, state, h, from, to)
+         else
+            call drift(c, state, h, from, to)
+         end if
+         call hold_rotations(c, h, target, active, first, last, state)
+         call open_leads(c, h, from, to, state)
+      end do
+   end subroutine move_leads
+
+   !> Half a kick, and half a step of the impulses of joints and of loads on secondary nodes
+   pure subroutine half_kick(model, c, h, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      do k = 1, 3
+         !$omp simd
+         do i = lo, min(hi, model%n_body)
+            state%impulse(i, k) = state%impulse(i, k) + &
+               0.5_wp*h*(state%f(i, k) - state%own_f(i, k))
+            state%angular_impulse(i, k) = state%angular_impulse(i, k) + &
+               0.5_wp*h*(state%t(i, k) - state%own_t(i, k))
+         end do
+      end do
+      call kick(c, state, h, lo, hi)
+   end subroutine half_kick
+
+   !> Angular velocities after the first half kick, and half of the turn that goes with them
+   pure subroutine half_turn(c, h, lo, hi, state)
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      call spin_velocity(c, state%poses%quat, state%l, lo, hi, state%poses%w)
+      do k = 1, 3
+         !$omp simd
+         do i = lo, hi
+            state%poses%psi(i, k) = 0.5_wp*h*state%poses%w(i, k)
+            state%poses%w_left(i, k) = state%poses%w(i, k)
+            state%poses%v(i, k) = state%v(i, k)
+         end do
+      end do
+   end subroutine half_turn
+
+   !> Angular velocities in the pose reached, the other half of the turn, and no forces yet
+   pure subroutine open_leads(c, h, lo, hi, state)
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      call spin_velocity(c, state%poses%quat, state%l, lo, hi, state%poses%w)
+      do k = 1, 3
+         !$omp simd
+         do i = lo, hi
+            state%poses%psi(i, k) = state%poses%psi(i, k) + 0.5_wp*h*state%poses%w(i, k)
+            state%f(i, k) = 0.0_wp
+            state%t(i, k) = 0.0_wp
+            state%own_f(i, k) = 0.0_wp
+            state%own_t(i, k) = 0.0_wp
+         end do
+      end do
+   end subroutine open_leads
+
+   !> What the dampers look at: predicted velocities and inverse inertias
+   subroutine look_leads(c, h, lo, hi, state)
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: from, to
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         call predict(c, h, from, to, state)
+         call inverse_inertias(c, state%poses%quat, from, to, state%poses%ij)
+      end do
+   end subroutine look_leads
+
+   !> Second half kick of leads lo..hi, after the wrenches of the dampers, and the sum of turns
+   subroutine kick_leads(model, c, h, target, active, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
+      logical, intent(in) :: active(:)
+      integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
+      type(c_state_t), intent(inout) :: state
+
+      integer :: from, to, first, last, k
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         first = c%hold_to((from - 1)/BLOCK) + 1
+         last = c%hold_to((to + BLOCK - 1)/BLOCK)
+         if (c%damped) call gather(model%map, state%wrench, from, to, state%f, state%t)
+         call keep_rates(c, first, last, state)
+         call half_kick(model, c, h, from, to, state)
+         call project(model, c, target, active, SECOND_HALF, first, last, state)
+         to = min(to, model%n_body)
+         do k = 1, 3
+            state%turn(from:to, k) = state%turn(from:to, k) + state%poses%psi(from:to, k)
+         end do
+      end do
+   end subroutine kick_leads
+
+   !> Add the wrenches of the joints to their leads, ascending joint by lead
+   pure subroutine gather(map, wrench, lo, hi, f, t)
+      type(lead_map_t), intent(in) :: map
+      real(wp), contiguous, intent(in) :: wrench(:, :)
+      integer, intent(in) :: lo, hi
+      real(wp), contiguous, intent(inout) :: f(:, :), t(:, :)
+
+      real(wp) :: force(3), moment(3)
+      integer :: lead, i, j
+
+      do lead = lo, hi
+         force = 0.0_wp
+         moment = 0.0_wp
+         do i = map%first(lead), map%first(lead + 1) - 1
+            j = map%joint(i)
+            if (j > 0) then
+               force = force + wrench(1:3, j)
+               moment = moment + wrench(4:6, j)
+            else
+               force = force - wrench(1:3, -j)
+               moment = moment + wrench(7:9, -j)
+            end if
+         end do
+         f(lead, :) = f(lead, :) + force
+         t(lead, :) = t(lead, :) + moment
+      end do
+   end subroutine gather
+
+end module kj_c_leads
