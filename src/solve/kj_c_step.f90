@@ -47,14 +47,14 @@ contains
       step%h = h
       state%h = h
       call motion_targets(model, state, h, step%target, final, step%active)
-      call share(MOVE, model, c, step, state)
+      call in_pieces(MOVE, model, c, step, state)
       call count_work(state)
       state%cycle = state%cycle + 1
       state%time = state%time + h
       call reach_motions(model, h, step%target, final, step%active, state)
       step%target = final
       call sum_forces(model, c, step, state)
-      call share(KICKING, model, c, step, state)
+      call in_pieces(KICKING, model, c, step, state)
       call count_work(state)
    end subroutine c_step
 
@@ -73,9 +73,9 @@ contains
       step%h = h
       step%target = target
       step%active = active
-      call share(OPEN, model, c, step, state)
+      call in_pieces(OPEN, model, c, step, state)
       call sum_forces(model, c, step, state)
-      if (c%damped) call share(GATHERING, model, c, step, state)
+      if (c%damped) call in_pieces(GATHERING, model, c, step, state)
    end subroutine find_forces
 
    !> Forces of all, but for the last wrenches of the dampers, which are not added up yet
@@ -88,21 +88,21 @@ contains
       call place_nodes(model, c, state)
       state%poses%time = state%time
       state%poses%h = step%h
-      call share(SPRINGS, model, c, step, state)
-      call share(GATHERING, model, c, step, state)
+      call in_pieces(SPRINGS, model, c, step, state)
+      call in_pieces(GATHERING, model, c, step, state)
       call add_loads(model, state)
       call add_field(model, c, step%h, state)
       call add_host_loads(step%h, state)
       if (.not. c%damped) return
-      call share(LOOK, model, c, step, state)
+      call in_pieces(LOOK, model, c, step, state)
       call look_ahead(c, step%h, state)
       call project_rates(c, state, step%target, step%active)
-      call share(DAMPERS, model, c, step, state)
+      call in_pieces(DAMPERS, model, c, step, state)
    end subroutine sum_forces
 
-   !> One stage, its pieces in threads. A team of one costs as much as the step of a small scene:
-   !> one thread goes without.
-   subroutine share(stage, model, c, step, state)
+   !> A stage piece by piece: in threads, or without them. Even a team of one thread costs a
+   !> microsecond, more than the stage of a few joints.
+   subroutine in_pieces(stage, model, c, step, state)
       integer, intent(in) :: stage
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
@@ -123,7 +123,7 @@ contains
       do piece = 1, n
          call work_on(stage, piece, model, c, step, state)
       end do
-   end subroutine share
+   end subroutine in_pieces
 
    !> One stage of one piece of the leads or of the joints
    subroutine work_on(stage, piece, model, c, step, state)
