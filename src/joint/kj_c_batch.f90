@@ -3,13 +3,14 @@ module kj_c_batch
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS, FRAME_LINE
-   use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE
+   use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, &
+      LAW_DAMPER, LAW_DAMPER_CURVE
    use kj_joint_frame, only: BLOCK
    implicit none
    private
 
    public :: c_batch_t, c_joint_t, new_c_joint, new_c_limits, chart_of, matrix_of, &
-      frame_of
+      frame_of, sprung_dofs, damped_dofs
 
    integer, parameter, public :: N_B = 30             !! numbers of the matrix B of a joint
 
@@ -88,6 +89,22 @@ contains
       if (batch%frame == FRAME_CROSS) chart = CHART_UNIVERSAL
       if (batch%frame == FRAME_LINE) chart = CHART_LINE
    end function chart_of
+
+   !> The dofs of a batch that may have an elastic force
+   pure function sprung_dofs(batch) result(on)
+      type(c_batch_t), intent(in) :: batch
+      logical :: on(NDOF)
+
+      on = batch%limited .or. iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE) /= 0
+   end function sprung_dofs
+
+   !> The dofs of a batch that may have a damping force
+   pure function damped_dofs(batch) result(on)
+      type(c_batch_t), intent(in) :: batch
+      logical :: on(NDOF)
+
+      on = batch%limited .or. iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0
+   end function damped_dofs
 
    !> State of n joints, all zero
    pure subroutine new_c_joint(n, joint)

@@ -2,6 +2,7 @@
 !> Source: consistent.md 4.
 module kj_c_compliance
    use kj_kinds, only: wp
+   use kj_joint_types, only: NDOF
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, N_B
    use kj_c_matrix, only: poses_t
@@ -34,8 +35,9 @@ contains
    end subroutine end_inertias
 
    !> S = B M^-1 B^T of each joint, lower triangle by rows: s11, s21, s22, s31, ...
-   pure subroutine compliance(n, b, im, ij1, ij2, s)
+   pure subroutine compliance(n, on, b, im, ij1, ij2, s)
       integer, intent(in) :: n
+      logical, intent(in) :: on(NDOF)            !! rows and columns that are wanted
       real(wp), intent(in) :: b(BLOCK, N_B), im(BLOCK, 2)
       real(wp), intent(in) :: ij1(BLOCK, 6), ij2(BLOCK, 6)   !! J^-1: xx yy zz xy xz yz
       real(wp), intent(out) :: s(BLOCK, 21)
@@ -46,6 +48,7 @@ contains
 
       both(:n) = im(:n, 1) + im(:n, 2)
       do k = 1, 7, 3
+         if (.not. on((k + 2)/3)) cycle
          !$omp simd
          do i = 1, n
             m2(i, k) = (b(i, 29)*b(i, k + 2) - b(i, 30)*b(i, k + 1)) - b(i, k + 9)
@@ -53,12 +56,13 @@ contains
             m2(i, k + 2) = (b(i, 28)*b(i, k + 1) - b(i, 29)*b(i, k)) - b(i, k + 11)
          end do
       end do
-      call weigh(n, ij1, b(:, 10:18), j1)
-      call weigh(n, ij2, m2, j2)
+      call weigh(n, on(1:3), ij1, b(:, 10:18), j1)
+      call weigh(n, on(1:3), ij2, m2, j2)
       at = 0
       do k = 1, 7, 3
          do l = 1, k, 3
             at = at + 1
+            if (.not. (on((k + 2)/3) .and. on((l + 2)/3))) cycle
             !$omp simd
             do i = 1, n
                s(i, at) = b(i, k + 9)*j1(i, l) + b(i, k + 10)*j1(i, l + 1) + &
@@ -69,10 +73,11 @@ contains
          end do
       end do
       ij(:n, :) = ij1(:n, :) + ij2(:n, :)
-      call weigh(n, ij, b(:, 19:27), jr)
+      call weigh(n, on(4:6), ij, b(:, 19:27), jr)
       do k = 19, 25, 3
          do l = 1, 7, 3
             at = at + 1
+            if (.not. (on((k - 7)/3) .and. on((l + 2)/3))) cycle
             !$omp simd
             do i = 1, n
                s(i, at) = b(i, k)*(j1(i, l) - j2(i, l)) + b(i, k + 1)*(j1(i, l + 1) - &
@@ -81,6 +86,7 @@ contains
          end do
          do l = 1, k - 18, 3
             at = at + 1
+            if (.not. (on((k - 7)/3) .and. on((l + 11)/3))) cycle
             !$omp simd
             do i = 1, n
                s(i, at) = b(i, k)*jr(i, l) + b(i, k + 1)*jr(i, l + 1) + b(i, k + 2)*jr(i, l + 2)
@@ -90,14 +96,16 @@ contains
    end subroutine compliance
 
    !> y = J^-1 b for three vectors
-   pure subroutine weigh(n, ij, b, y)
+   pure subroutine weigh(n, on, ij, b, y)
       integer, intent(in) :: n
+      logical, intent(in) :: on(3)               !! vectors that are wanted
       real(wp), intent(in) :: ij(BLOCK, 6), b(BLOCK, 9)
       real(wp), intent(out) :: y(BLOCK, 9)
 
       integer :: i, k
 
       do k = 1, 7, 3
+         if (.not. on((k + 2)/3)) cycle
          !$omp simd
          do i = 1, n
             y(i, k) = ij(i, 1)*b(i, k) + ij(i, 4)*b(i, k + 1) + ij(i, 5)*b(i, k + 2)

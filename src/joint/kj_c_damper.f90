@@ -7,7 +7,7 @@ module kj_c_damper
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE
    use kj_joint_frame, only: BLOCK
-   use kj_c_batch, only: c_batch_t, c_joint_t, N_B
+   use kj_c_batch, only: c_batch_t, c_joint_t, N_B, damped_dofs
    use kj_c_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_c_compliance, only: end_inertias, compliance
    use kj_c_limit, only: damp_round_stops
@@ -35,14 +35,20 @@ contains
 
       real(wp), dimension(BLOCK, 6) :: rate, f, c
       real(wp) :: s(BLOCK, 21), moment(BLOCK, 3), im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)
+      logical :: on(NDOF)
       integer :: from, to, n, at, i, j, k
 
+      on = damped_dofs(batch)
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
          at = (from - 1)/BLOCK + 1
          call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, at), rate)
          do k = 1, NDOF
+            if (.not. on(k)) then
+               f(:n, k) = 0.0_wp
+               cycle
+            end if
             call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
             if (batch%limited) then
                c(:n, k) = c(:n, k) + joint%c_limit(from:to, k)
@@ -52,14 +58,15 @@ contains
          end do
          if (h > 0.0_wp) then
             call end_inertias(batch, poses, from, n, im, ij1, ij2)
-            call compliance(n, joint%b(:, :, at), im, ij1, ij2, s)
-            call solve(n, 0.5_wp*h, c, s, f)
+            call compliance(n, on, joint%b(:, :, at), im, ij1, ij2, s)
+            call solve(n, on, 0.5_wp*h, c, s, f)
             if (batch%limited) call damp_round_stops(joint, h, from, n, rate, s, f)
          end if
          moment(:n, :) = 0.0_wp
-         call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
+         if (any(on(4:6))) call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
          call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
          do k = 1, NDOF
+            if (.not. on(k)) cycle
             !$omp simd private(j)
             do i = 1, n
                j = from + i - 1
@@ -80,10 +87,13 @@ contains
       type(c_joint_t), intent(inout) :: joint
 
       real(wp) :: rate(BLOCK, 6)
+      logical :: on(NDOF)
       integer :: i, j, k
 
+      on = damped_dofs(batch)
       call rates(batch, v, w, from, n, b, rate)
       do k = 1, NDOF
+         if (.not. on(k)) cycle
          !$omp simd private(j)
          do i = 1, n
             j = from + i - 1
@@ -103,7 +113,7 @@ contains
       real(wp) :: y, slope
       integer :: i, j
 
-      if (iand(batch%law(dof), LAW_DAMPER + LAW_DAMPER_CURVE) == 0) then
+      if (iand(batch%law(dof), LAW_DAMPER + LAW_DAMPER_CURVE) == 0) then   ! of limits alone
          f(:n) = 0.0_wp
          c(:n) = 0.0_wp
       else if (iand(batch%law(dof), LAW_DAMPER_CURVE) /= 0) then
@@ -127,8 +137,9 @@ contains
    !> With D = C^1/2 this is D (1 + g D S D)^-1 D^-1: the part of f along a dof without damping
    !> stays (it is zero). L D L^T without pivoting, all joints of the block at once: 6 x 6 is far
    !> too small for one LAPACK call a joint.
-   pure subroutine solve(n, g, c, s, f)
+   pure subroutine solve(n, on, g, c, s, f)
       integer, intent(in) :: n
+      logical, intent(in) :: on(NDOF)            !! dofs with damping; of the others nothing is read
       real(wp), intent(in) :: g, c(BLOCK, 6), s(BLOCK, 21)
       real(wp), intent(inout) :: f(BLOCK, 6)
 
@@ -136,6 +147,7 @@ contains
       integer :: i, k, l, m, at, row, column
 
       do k = 1, 6
+         if (.not. on(k)) cycle
          !$omp simd
          do i = 1, n
             d(i, k) = sqrt(c(i, k))
@@ -143,7 +155,9 @@ contains
          end do
       end do
       do k = 1, 6
+         if (.not. on(k)) cycle
          do l = 1, k
+            if (.not. on(l)) cycle
             at = k*(k - 1)/2 + l
             !$omp simd
             do i = 1, n
@@ -153,11 +167,14 @@ contains
          a(:n, at) = a(:n, at) + 1.0_wp
       end do
       do k = 1, 6
+         if (.not. on(k)) cycle
          at = k*(k + 1)/2
          pivot(:n, k) = 1.0_wp/a(:n, at)
          do l = k + 1, 6
+            if (.not. on(l)) cycle
             row = l*(l - 1)/2
             do m = k + 1, l
+               if (.not. on(m)) cycle
                column = m*(m - 1)/2 + k
                !$omp simd private(part)
                do i = 1, n
@@ -172,12 +189,14 @@ contains
          end do
       end do
       do k = 6, 1, -1
+         if (.not. on(k)) cycle
          do m = k + 1, 6
-            f(:n, k) = f(:n, k) - a(:n, m*(m - 1)/2 + k)*f(:n, m)
+            if (on(m)) f(:n, k) = f(:n, k) - a(:n, m*(m - 1)/2 + k)*f(:n, m)
          end do
          f(:n, k) = f(:n, k)*pivot(:n, k)
       end do
       do k = 1, 6
+         if (.not. on(k)) cycle
          !$omp simd
          do i = 1, n
             f(i, k) = f(i, k)*merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)

@@ -8,7 +8,7 @@ module kj_c_force
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
    use kj_joint_frame, only: BLOCK, turn_arm
    use kj_c_batch, only: c_batch_t, c_joint_t, CHART_TWIST, CHART_VECTOR, &
-      CHART_UNIVERSAL, N_B
+      CHART_UNIVERSAL, N_B, sprung_dofs, damped_dofs
    use kj_c_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_c_damper, only: count_damping
    use kj_c_limit, only: add_limits
@@ -38,9 +38,10 @@ contains
 
       real(wp) :: q(BLOCK, 6), f(BLOCK, 6), rot(BLOCK, 9), moment(BLOCK, 3), lost(BLOCK)
       integer :: from, to, n, at, k
-      logical :: sprung
+      logical :: sprung(NDOF), damped(NDOF)
 
-      sprung = batch%limited .or. any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
+      sprung = sprung_dofs(batch)
+      damped = damped_dofs(batch)
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
@@ -49,40 +50,49 @@ contains
             poses%h, from, n, joint%b(:, :, at), joint)
          call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
          call laws(batch, curves, poses, from, n, q, joint%b(:, 19:27, at), joint, f, lost)
-         call keep_coordinates(from, n, q, f, joint)
+         call keep_coordinates(from, n, sprung, q, f, joint)
          if (batch%limited) then
             joint%elastic(from:to) = joint%elastic(from:to) - lost(:n)
             joint%dissipated(from:to) = joint%dissipated(from:to) + lost(:n)
          end if
          moment(:n, :) = 0.0_wp
          if (batch%chart == CHART_VECTOR) then
-            if (sprung) call add_moment(n, f(:, 4:6), rot, moment)
-         else
+            if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
+         else if (any(sprung(4:6))) then
             call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
          end if
          if (batch%damped) then
             call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, at), q)
             do k = 1, 6
+               if (.not. damped(k)) then
+                  q(:n, k) = 0.0_wp
+                  cycle
+               end if
                joint%qd(from:to, k) = q(:n, k)
                q(:n, k) = joint%fd(from:to, k)
                if (batch%limited) q(:n, k) = q(:n, k) + joint%friction(from:to, k)
             end do
             f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
-            call add_moment(n, q(:, 4:6), joint%b(:, 19:27, at), moment)
+            if (any(damped(4:6))) call add_moment(n, q(:, 4:6), joint%b(:, 19:27, at), moment)
          end if
          call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
       end do
    end subroutine add_springs
 
    !> Keep coordinates and spring forces, and count the work done on the springs
-   pure subroutine keep_coordinates(from, n, q, f, joint)
+   pure subroutine keep_coordinates(from, n, sprung, q, f, joint)
       integer, intent(in) :: from, n
+      logical, intent(in) :: sprung(NDOF)
       real(wp), intent(in) :: q(BLOCK, 6), f(BLOCK, 6)
       type(c_joint_t), intent(inout) :: joint
 
       integer :: i, j, k
 
       do k = 1, NDOF
+         if (.not. sprung(k)) then
+            joint%q(from:from + n - 1, k) = q(:n, k)
+            cycle
+         end if
          !$omp simd private(j)
          do i = 1, n
             j = from + i - 1

@@ -37,6 +37,7 @@ module kj_c_bound
    end type bound_t
 
    integer, parameter :: SWEEPS = 4
+   logical, parameter :: ALL_DOFS(6) = .true.
    real(wp), parameter :: LEAST_SHARE = 1.0e-9_wp
    !> of |h lambda|: stable to 2.6, but RK4 damps by h^6 before
    real(wp), parameter :: RK4_RADIUS = 1.0_wp
@@ -145,7 +146,7 @@ contains
                k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
                c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
             end do
-            call compliance(n, joint%b(:, :, (from - 1)/BLOCK + 1), im, ij1, ij2, s)
+            call compliance(n, ALL_DOFS, joint%b(:, :, (from - 1)/BLOCK + 1), im, ij1, ij2, s)
             call eigenvalues_from_above(n, s, k, part)
             if (any(c_part(:n, :) > 0.0_wp)) then
                call eigenvalues_from_above(n, s, c_part, root)
