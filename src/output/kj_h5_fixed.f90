@@ -12,9 +12,9 @@ module kj_h5_fixed
 
    public :: write_numbers, write_texts, write_text
 
-   !> For conversions. That of the library has 1 MB, which it clears for every dataset: of a small
-   !> history that is a third of all work
-   integer(size_t), parameter :: BUFFER_BYTES = 16384
+   !> Where values are converted. The library takes 1 MB and clears it for every dataset, which is a
+   !> third of all work for a small history; here it has room for the values, up to that.
+   integer(size_t), parameter :: LEAST_BUFFER = 1024, MOST_BUFFER = 1024*1024, VALUE_BYTES = 16
 
 contains
 
@@ -104,7 +104,8 @@ contains
       if (status >= 0) call make_space(dims, space, status)
       if (status >= 0) call h5dcreate_f(parent, name, stored, space, id, status, plist)
       if (status >= 0) call h5pcreate_f(H5P_DATASET_XFER_F, transfer, status)
-      if (status >= 0) call h5pset_buffer_f(transfer, BUFFER_BYTES, status)
+      if (status >= 0) call h5pset_buffer_f(transfer, max(LEAST_BUFFER, &
+         min(MOST_BUFFER, product(int(dims, size_t))*VALUE_BYTES)), status)
       if (status >= 0) call h5dwrite_f(id, memory, values, status, xfer_prp=transfer)
       if (transfer > 0) call h5pclose_f(transfer, ignored)
       if (space > 0) call h5sclose_f(space, ignored)
