@@ -37,6 +37,16 @@ def free_body():
     return m.model(until=1.0, sample=0.1, dt_scale=0.5), body
 
 
+def threads_of_process():
+    """None where the system does not tell"""
+    return len(os.listdir("/proc/self/task")) if os.path.isdir("/proc/self/task") else None
+
+
+def with_openmp():
+    with open("/proc/self/maps") as maps:
+        return "libgomp" in maps.read()
+
+
 class Models(unittest.TestCase):
     def test_stepping_gives_the_bits_of_a_run(self):
         options = dict(until=0.02, sample=1e-3, formulation="legacy")
@@ -47,6 +57,24 @@ class Models(unittest.TestCase):
             stepped.sample()
         for channel in ("time", "joint/force", "rigid_body/position", "external_work"):
             np.testing.assert_array_equal(run[channel][:20], stepped[channel])
+
+    def test_two_threads_give_the_bits_of_one(self):
+        # 1000 joints: a thread takes 500 at least
+        m = kjoint.Mechanism("chain", gravity=(0, 0, -9.81))
+        last = m.ground()
+        for i in range(1000):
+            link = m.body(0.2, (2e-5, 2e-4, 2e-4), at=(0.1*i + 0.05, 0, 0), omega=(i % 7, 0, 1))
+            m.joint("spherical", last, link, at=(0.1*i, 0, 0))
+            last = link
+        for formulation in ("consistent", "legacy"):
+            options = dict(until=2e-3, sample=5e-4, formulation=formulation)
+            one = m.model(**options, threads=1).run()
+            before = threads_of_process()
+            two = m.model(**options, threads=2).run()
+            if formulation == "consistent" and before and with_openmp():
+                self.assertGreater(threads_of_process(), before)
+            for channel in ("time", "joint/force", "rigid_body/position", "rigid_body/velocity"):
+                np.testing.assert_array_equal(one[channel], two[channel])
 
     def test_a_constant_load_does_what_newton_says(self):
         # v = F t/m = 3*0.5/2, x - x0 = F t^2/(2 m); leap-frog is exact here
