@@ -69,7 +69,7 @@ module kj_element
       integer, allocatable :: shear_of(:)        !! (n) joint, ascending; negative: its end 2
       integer, allocatable :: shear_first(:)     !! (n_joint + 1) where those of a joint begin
       real(wp), allocatable :: shear0(:)         !! (n) angle of their first two directions at start
-      real(wp), allocatable :: quat_host(:, :)   !! (4, n_lead) attitudes of the host at the start
+      real(wp), allocatable :: quat_own(:, :)    !! (n_lead, 4) principal axes in axes of the host
       real(wp) :: h_last = 0.0_wp                !! step of the last call
       logical, allocatable :: warned(:)          !! (n_joint) of orthogonality
       type(model_t) :: model

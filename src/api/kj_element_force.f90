@@ -122,7 +122,7 @@ contains
             s%poses%x(i, :) = host_vector(set, x, set%host(i))
             s%poses%d(i, :) = s%poses%x(i, :) - set%model%x0(i, :)
             s%poses%quat(i, :) = turned(host_quaternion(set, attitude, set%host(i)), &
-               set%quat_host(:, i), c%quat0(i, :))
+               set%quat_own(i, :))
             p = body_matrix(s, i)
             s%l(i, :) = matmul(p, c%i(i, :)*matmul(s%poses%w(i, :), p))
          end do

@@ -60,12 +60,13 @@ contains
             deallocate (set%c%axes0, set%cs%node)
             allocate (set%cs%node(0, 3))
          end if
-         allocate (set%quat_host(4, n), source=0.0_wp)
-         set%quat_host(1, :) = 1.0_wp
-         do i = 1, n
-            if (present(attitude) .and. set%host(i) > 0) &
-               set%quat_host(:, i) = host_quaternion(set, attitude, set%host(i))
-         end do
+         call move_alloc(set%c%quat0, set%quat_own)
+         if (present(attitude)) then
+            do i = 1, n
+               if (set%host(i) > 0) set%quat_own(i, :) = &
+                  seen_from(host_quaternion(set, attitude, set%host(i)), set%quat_own(i, :))
+            end do
+         end if
          call new_bound(set%model, set%c, .false., set%cs, set%bound)
          allocate (set%cs%f_ahead(n, 3), set%cs%t_ahead(n, 3), source=0.0_wp)
       end associate
@@ -99,7 +100,8 @@ contains
 
       associate (s => set%state, m => set%model)
          deallocate (s%d, s%v, s%a, s%al, s%impulse, s%angular_impulse, s%rotation_sum, s%p, &
-            s%principal, m%v0, m%w0, m%axes, m%principal)
+            s%principal, s%moved, s%first_moved, m%v0, m%w0, m%axes, m%principal, m%node_id, &
+            m%body_id, m%first)
          do b = 1, size(m%batch)
             deallocate (m%batch(b)%frame0, m%batch(b)%angle0)
          end do
@@ -125,7 +127,7 @@ contains
                m%batch(b)%frame0, m%batch(b)%k, m%batch(b)%c, m%batch(b)%k_curve, &
                m%batch(b)%c_curve, m%batch(b)%angle0)
          end do
-         deallocate (m%axes, m%principal)
+         deallocate (m%axes, m%principal, m%node_id, m%body_id, m%first)
          if (reads_nodes(set)) return
          m%x0 = m%x0(:m%n_lead, :)
          m%v0 = m%v0(:m%n_lead, :)
@@ -187,12 +189,20 @@ contains
       e = columns(q)
    end function columns_of
 
-   !> Attitude `first` turned as the host has turned from q0 to q1: q1 q0^-1 first
-   pure function turned(q1, q0, first) result(q)
-      real(wp), intent(in) :: q1(4), q0(4), first(4)
+   !> Attitude q in the axes of attitude p: p^-1 q
+   pure function seen_from(p, q) result(own)
+      real(wp), intent(in) :: p(4), q(4)
+      real(wp) :: own(4)
+
+      own = product_of([p(1), -p(2:4)], q)
+   end function seen_from
+
+   !> Attitude `own` in the axes of attitude p, seen from the world: p own
+   pure function turned(p, own) result(q)
+      real(wp), intent(in) :: p(4), own(4)
       real(wp) :: q(4)
 
-      q = product_of(product_of(q1, [q0(1), -q0(2:4)]), first)
+      q = product_of(p, own)
       q = q/norm2(q)
    end function turned
 
