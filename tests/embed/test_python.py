@@ -67,7 +67,7 @@ class Models(unittest.TestCase):
             m.joint("spherical", last, link, at=(0.1*i, 0, 0))
             last = link
         for formulation in ("consistent", "legacy"):
-            options = dict(until=2e-3, sample=5e-4, formulation=formulation)
+            options = dict(until=5e-4, sample=1e-4, formulation=formulation)
             one = m.model(**options, threads=1).run()
             before = threads_of_process()
             two = m.model(**options, threads=2).run()
@@ -228,6 +228,23 @@ class Elements(unittest.TestCase):
         self.assertEqual(joints.result(0).type, 9)
         with self.assertRaises(ValueError):
             joints.forces(0.2, 0.1, x[:1], zero, zero, f, m, q)
+
+    def test_each_of_many_joints_has_its_own_law(self):
+        # springs of 5 and 7 along x, free and translational, all to node 0; at 0.1 each pulls back
+        laws = [("free", 5.0), ("free", 5.0), ("translational", 5.0), ("free", 7.0),
+                ("translational", 5.0), ("translational", 7.0), ("translational", 7.0)]*6
+        n = len(laws)
+        for formulation in ("consistent", "legacy"):
+            joints = kjoint.Joints(n + 1, formulation)
+            for i, (kind, k) in enumerate(laws):
+                joints.add(kind, (0, i + 1), k=(k, 0, 0, 0, 0, 0), **({} if kind == "free" else {"kn": 100.0}))
+            x, zero, q = np.zeros((n + 1, 3)), np.zeros((n + 1, 3)), np.tile([1.0, 0, 0, 0], (n + 1, 1))
+            joints.start(x, [0.0] + [4.0]*n, np.ones((n + 1, 3)), q)
+            x[1:, 0] = 0.1
+            f, m = np.zeros((n + 1, 3)), np.zeros((n + 1, 3))
+            joints.forces(0.0, 0.0, x, zero, zero, f, m, q)
+            np.testing.assert_allclose(f[1:, 0], [-0.1*k for _, k in laws], atol=1e-12)
+            np.testing.assert_allclose(f[0, 0], 0.1*sum(k for _, k in laws), atol=1e-12)
 
     def test_nodal_stiffness_bears_the_legacy_step(self):
         # legacy: k of a blocked direction is (C + sqrt(C^2 + k m))^2/m with C = cr sqrt(k m), and
