@@ -43,9 +43,10 @@ module kj_c_batch
       real(wp), allocatable :: angle0(:)         !! (n) angle(e2, e3) at the start, universal
       !> (n, 6) stiffness and damping, or scale of the curve
       real(wp), allocatable :: k(:, :), c(:, :)
-      integer, allocatable :: k_curve(:, :), c_curve(:, :)   !! (n, 6)
+      !> (n, 6) where law has curves, else not allocated
+      integer, allocatable :: k_curve(:, :), c_curve(:, :)
       logical :: shifted = .false.               !! some angle does not start at 0
-      real(wp), allocatable :: shift(:, :)       !! (n, 3) angles at the start [rad]
+      real(wp), allocatable :: shift(:, :)       !! (n, 3) these angles [rad]; not allocated: none
       logical :: limited = .false.               !! has what follows, and c_joint_t its part
       type(limits_t) :: limit
       real(wp), allocatable :: inertia(:, :)     !! (n, 6) effective mass or inertia of each dof

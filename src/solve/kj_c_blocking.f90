@@ -80,7 +80,7 @@ contains
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       logical, intent(in) :: explicit
-      type(c_state_t), intent(in) :: state
+      type(c_state_t), intent(inout) :: state
 
       type(bound_t) :: bound
 
@@ -94,7 +94,7 @@ contains
       type(model_t), intent(in) :: model
       logical, intent(in) :: explicit
       real(wp), intent(in) :: wanted
-      type(c_state_t), intent(in) :: state
+      type(c_state_t), intent(inout) :: state
       type(c_model_t), intent(inout) :: c
 
       real(wp) :: low, high, middle

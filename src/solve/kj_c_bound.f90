@@ -15,7 +15,8 @@ module kj_c_bound
    use kj_c_compliance, only: end_inertias, compliance, eigenvalues_from_above
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: inverse_inertias
-   use kj_c_one_joint, only: largest_stiffness, steepest, compliances, spin_up, eigenvalue
+   use kj_c_one_joint, only: largest_stiffness, steepest, curves_of, compliances, spin_up, &
+      eigenvalue
    implicit none
    private
 
@@ -27,7 +28,7 @@ module kj_c_bound
       integer :: joint = 0                       !! who holds it: index among all joints, 0 = none
       real(wp), allocatable :: share(:, :)       !! (2, n_element) of the mass of each end's lead
       real(wp), allocatable :: k(:, :)           !! (6, n_element) largest stiffness of each dof
-      !> (6, n_element) largest damping of each dof, 0 where implicit
+      !> (6, n_element) largest damping of each dof; not allocated where damping is implicit
       real(wp), allocatable :: c(:, :)
       real(wp), allocatable :: limit(:)          !! (n_element) step that each joint allows
       real(wp), allocatable :: q(:, :)           !! (n_element, 6) coordinates then
@@ -52,7 +53,7 @@ contains
       type(c_model_t), intent(in) :: c
       !> Runge-Kutta of fourth order with explicit damping
       logical, intent(in) :: explicit
-      type(c_state_t), intent(in) :: state
+      type(c_state_t), intent(inout) :: state    !! of the poses the inverse inertias
       type(bound_t), intent(out) :: bound
 
       real(wp) :: s(6, 6, 2), total(model%n_lead), lambda(model%n_element)
@@ -60,8 +61,8 @@ contains
 
       allocate (bound%share(2, model%n_element), bound%k(6, model%n_element), &
          bound%limit(model%n_element))
-      allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), &
-         bound%c(6, model%n_element), source=0.0_wp)
+      allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), source=0.0_wp)
+      if (explicit) allocate (bound%c(6, model%n_element))
       if (any(c%batch%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
       do b = 1, size(c%batch)
          do i = 1, c%batch(b)%n
@@ -70,7 +71,7 @@ contains
             if (c%batch(b)%chart == CHART_LINE) &
                bound%k(2:3, j) = tension(c%batch(b), state, b, i, bound%k(1, j))
             if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, c%batch(b)%law, &
-               c%batch(b)%c(i, :), c%batch(b)%c_curve(i, :))
+               c%batch(b)%c(i, :), curves_of(c%batch(b)%c_curve, i))
             call compliances(c, state, b, i, s)
             do e = 1, 2
                bound%share(e, j) = eigenvalue(bound%k(:, j), s(:, :, e))
@@ -82,8 +83,9 @@ contains
          total = 0.0_wp
          call add_up(c, bound, lambda, total)
          call divide(c, bound, lambda, total)
-         call eigenvalues(c, state, bound, lambda)
+         call eigenvalues_from_blocks(c, bound, state, lambda)
       end do
+      call eigenvalues(c, state, bound, lambda)
       call take(bound, lambda)
       call keep_pose(c, state, bound)
    end subroutine new_bound
@@ -95,7 +97,7 @@ contains
       type(bound_t), intent(inout) :: bound
 
       real(wp) :: lambda(size(bound%limit))
-      integer :: b, i, piece
+      integer :: b, i
 
       do b = 1, size(c%batch)
          if (c%batch(b)%chart /= CHART_LINE) cycle
@@ -105,6 +107,20 @@ contains
             end associate
          end do
       end do
+      call eigenvalues_from_blocks(c, bound, state, lambda)
+      call take(bound, lambda)
+      call keep_pose(c, state, bound)
+   end subroutine renew_bound
+
+   !> Largest eigenvalues of all joints, from above
+   subroutine eigenvalues_from_blocks(c, bound, state, lambda)
+      type(c_model_t), intent(in) :: c
+      type(bound_t), intent(in) :: bound
+      type(c_state_t), intent(inout) :: state    !! of the poses the inverse inertias
+      real(wp), intent(out) :: lambda(:)         !! (n_element)
+
+      integer :: piece
+
       !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
       do piece = 1, size(c%team%lead, 2)
          call inverse_inertias(c, state%poses%quat, c%team%lead(1, piece), &
@@ -112,14 +128,12 @@ contains
       end do
       !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
       do piece = 1, size(c%team%joint, 2)
-         call eigenvalues_of_blocks(c, state, bound, c%team%joint(:, piece), lambda)
+         call eigenvalues_of_piece(c, state, bound, c%team%joint(:, piece), lambda)
       end do
-      call take(bound, lambda)
-      call keep_pose(c, state, bound)
-   end subroutine renew_bound
+   end subroutine eigenvalues_from_blocks
 
    !> Largest eigenvalues of some joints of a batch, from above
-   pure subroutine eigenvalues_of_blocks(c, state, bound, piece, lambda)
+   pure subroutine eigenvalues_of_piece(c, state, bound, piece, lambda)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(in) :: state
       type(bound_t), intent(in) :: bound
@@ -144,18 +158,19 @@ contains
                g = 1.0_wp
                if (batch%chart == CHART_VECTOR) g = spin_up(joint%q(from + i - 1, 4:6))
                k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
+               if (.not. allocated(bound%c)) cycle
                c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
             end do
             call compliance(n, ALL_DOFS, joint%b(:, :, (from - 1)/BLOCK + 1), im, ij1, ij2, s)
             call eigenvalues_from_above(n, s, k, part)
-            if (any(c_part(:n, :) > 0.0_wp)) then
+            if (allocated(bound%c)) then
                call eigenvalues_from_above(n, s, c_part, root)
                part(:n) = explicit(part(:n), root(:n))
             end if
             lambda(batch%first + from:batch%first + from + n - 1) = part(:n)
          end do
       end associate
-   end subroutine eigenvalues_of_blocks
+   end subroutine eigenvalues_of_piece
 
    !> Eigenvalue that limits Runge-Kutta of fourth order when damping has one too
    elemental real(wp) function explicit(stiffness, damping) result(lambda)
@@ -306,7 +321,7 @@ contains
             call compliances(c, state, b, i, s)
             s(:, :, 1) = s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j)
             lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1))
-            if (any(bound%c(:, j) > 0.0_wp)) &
+            if (allocated(bound%c)) &
                lambda(j) = explicit(lambda(j), eigenvalue(bound%c(:, j), s(:, :, 1)))
          end do
       end do

@@ -4,7 +4,8 @@ module kj_c_build
    use kj_team, only: new_team
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
-   use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE
+   use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
+      LAW_SPRING_CURVE
    use kj_model, only: model_t, load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_c_batch, only: c_batch_t, chart_of, new_c_joint, new_c_limits, &
@@ -192,8 +193,8 @@ contains
       batch%lead = old%lead
       batch%k = old%k
       batch%c = old%c
-      batch%k_curve = old%k_curve
-      batch%c_curve = old%c_curve
+      if (any(iand(old%law, LAW_SPRING_CURVE) /= 0)) batch%k_curve = old%k_curve
+      if (any(iand(old%law, LAW_DAMPER_CURVE) /= 0)) batch%c_curve = old%c_curve
       batch%xl0 = old%xl0
       batch%apart = model%x0(old%lead(:, 2), :) - model%x0(old%lead(:, 1), :)
       batch%plain = [(all(joint_types(old%row)%free(1:3) == 0) .and. batch%mean .and. &
@@ -221,8 +222,8 @@ contains
                e(:, dof - 3)))
          end do
       end do
-      batch%shift = old%angle0
       batch%shifted = any(abs(old%angle0) > 0.0_wp)
+      if (batch%shifted) batch%shift = old%angle0
       if (old%limited) call build_limits(c, old, batch)
    end subroutine build_batch
 

@@ -14,7 +14,7 @@ module kj_c_one_joint
    implicit none
    private
 
-   public :: largest_stiffness, steepest, compliances, rows_of_end, spin_up, eigenvalue
+   public :: largest_stiffness, steepest, curves_of, compliances, rows_of_end, spin_up, eigenvalue
 
 contains
 
@@ -25,9 +25,20 @@ contains
       integer, intent(in) :: i
       real(wp) :: k(6)
 
-      k = steepest(curves, LAW_SPRING_CURVE, batch%law, batch%k(i, :), batch%k_curve(i, :))
+      k = steepest(curves, LAW_SPRING_CURVE, batch%law, batch%k(i, :), &
+         curves_of(batch%k_curve, i))
       if (batch%limited) k = k + limit_stiffness(batch, curves, i)
    end function largest_stiffness
+
+   !> Curves of joint i; none where the batch has none
+   pure function curves_of(curve, i) result(row)
+      integer, allocatable, intent(in) :: curve(:, :)   !! (n, 6)
+      integer, intent(in) :: i
+      integer :: row(6)
+
+      row = 0
+      if (allocated(curve)) row = curve(i, :)
+   end function curves_of
 
    !> Largest stiffness or damping of each dof: that of a curve is its steepest rise anywhere
    pure function steepest(curves, bit, law, value, curve) result(k)
