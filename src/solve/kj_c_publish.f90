@@ -7,6 +7,7 @@ module kj_c_publish
    use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
    use kj_joint_batch, only: joint_state_t
    use kj_c_batch, only: c_batch_t, c_joint_t, frame_of, CHART_UNIVERSAL
+   use kj_joint_frame, only: BLOCK
    use kj_c_matrix, only: joint_rates
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
@@ -68,7 +69,7 @@ contains
       type(c_state_t), intent(in) :: cs
       type(state_t), intent(inout) :: state
 
-      real(wp) :: p(3, 3), f(3), t(3), w(3), l(3)
+      real(wp) :: p(3, 3), f(3), t(3), w(3), l(3), axes0(9), axes(9)
       integer :: i
 
       associate (n => model%n_lead)
@@ -92,13 +93,24 @@ contains
          p = body_matrix(cs, i)
          state%al(i, :) = matmul(p, c%ii(i, :)*matmul(t, p))
          if (i > model%n_body) cycle
-         state%p(i, :) = reshape(matmul(p, matmul(transpose(reshape(c%axes0(i, :), [3, 3])), &
-            reshape(model%axes(i, :), [3, 3]))), [9])
+         axes0 = c%axes0(i, :)
+         axes = model%axes(i, :)
+         call turn_axes(p, axes0, axes)
+         state%p(i, :) = axes
       end do
       state%impulse = cs%impulse
       state%angular_impulse = cs%angular_impulse
       state%rotation_sum = cs%turn
    end subroutine publish_leads
+
+   !> Principal axes from those at the start: p axes0^T axes
+   pure subroutine turn_axes(p, axes0, axes)
+      real(wp), intent(in) :: p(3, 3)            !! body axes now, W
+      real(wp), intent(in) :: axes0(3, 3)        !! body axes at the start, W
+      real(wp), intent(inout) :: axes(3, 3)
+
+      axes = matmul(p, matmul(transpose(axes0), axes))
+   end subroutine turn_axes
 
    !> Secondary nodes of the history and of its skews from the poses
    subroutine publish_nodes(model, c, cs, state)
@@ -166,17 +178,19 @@ contains
             if (c%batch(b)%limited) call publish_limits(c%batch(b), joint, out)
             out%energy = joint%elastic + joint%dissipated
             call joint_rates(c%batch(b), cs%poses, joint, out%qdot)
-            do j = 1, c%batch(b)%n
-               out%e(j, :) = frame_of(c%batch(b), joint, j)
-               if (c%batch(b)%plain(j)) call show_in_mean_frame(out%e(j, :), out%q(j, :), &
-                  out%f(j, 1:3), &
-                  out%qdot(j, 1:3))
-               if (c%batch(b)%shifted) out%q(j, 4:6) = out%q(j, 4:6) + c%batch(b)%shift(j, :)
-               state%ortho(c%batch(b)%first + j) = 0.0_wp
-               if (c%batch(b)%chart == CHART_UNIVERSAL) &
-                  state%ortho(c%batch(b)%first + j) = abs(asin(max(-1.0_wp, &
-                     min(1.0_wp, dot_product(out%e(j, 4:6), out%e(j, 7:9))))))
-            end do
+            if (c%batch(b)%chart == CHART_UNIVERSAL) then
+               do j = 1, c%batch(b)%n
+                  out%e(j, :) = frame_of(c%batch(b), joint, j)
+               end do
+            else
+               call copy_frames(joint, out%e)
+            end if
+            call show_in_mean_frame(c%batch(b)%plain, out%e, out%q, out%f, out%qdot)
+            if (c%batch(b)%shifted) out%q(:, 4:6) = out%q(:, 4:6) + c%batch(b)%shift
+            associate (ortho => state%ortho(c%batch(b)%first + 1:c%batch(b)%first + c%batch(b)%n))
+               ortho = 0.0_wp
+               if (c%batch(b)%chart == CHART_UNIVERSAL) ortho = skewness(out%e)
+            end associate
          end associate
       end do
       call add_looseness(model, c, cs, state)
@@ -198,18 +212,70 @@ contains
       out%flag = joint%flag
    end subroutine publish_limits
 
-   !> Components of a joint that needs no frame, from the frame of body 1 to the mean frame
-   pure subroutine show_in_mean_frame(e, q, f, rate)
-      real(wp), intent(inout) :: e(9), q(6), f(3), rate(3)
+   !> Frames of joints that are no universal ones: the axes of their translations
+   pure subroutine copy_frames(joint, e)
+      type(c_joint_t), intent(in) :: joint
+      real(wp), intent(inout) :: e(:, :)         !! (n, 9)
 
-      real(wp) :: half(3, 3)
+      integer :: from, n, k
 
-      half = rotation(0.5_wp*q(4:6))
-      e = reshape(matmul(reshape(e, [3, 3]), half), [9])
-      q(1:3) = matmul(q(1:3), half)
-      f = matmul(f, half)
-      rate = matmul(rate, half)
+      do from = 1, size(e, 1), BLOCK
+         n = min(BLOCK, size(e, 1) - from + 1)
+         do k = 1, 9
+            e(from:from + n - 1, k) = joint%b(:n, k, (from - 1)/BLOCK + 1)
+         end do
+      end do
+   end subroutine copy_frames
+
+   !> Angle by which the second and third axis miss a right angle [rad]
+   pure function skewness(e) result(angle)
+      real(wp), intent(in) :: e(:, :)            !! (n, 9)
+      real(wp) :: angle(size(e, 1))
+
+      integer :: j
+
+      do j = 1, size(angle)
+         angle(j) = abs(asin(max(-1.0_wp, min(1.0_wp, dot_product(e(j, 4:6), e(j, 7:9))))))
+      end do
+   end function skewness
+
+   !> Components of joints that need no frame, from the frame of body 1 to the mean frame
+   pure subroutine show_in_mean_frame(plain, e, q, f, rate)
+      logical, intent(in) :: plain(:)            !! those joints
+      real(wp), intent(inout) :: e(:, :), q(:, :), f(:, :), rate(:, :)   !! (n, 9), (n, 6)
+
+      real(wp) :: half(3, 3), axes(3, 3), turn(3)
+      integer :: j, k
+
+      do j = 1, size(plain)
+         if (.not. plain(j)) cycle
+         turn = 0.5_wp*q(j, 4:6)
+         half = rotation(turn)
+         do k = 1, 3
+            axes(:, k) = e(j, 3*k - 2:3*k)
+         end do
+         axes = matmul(axes, half)
+         do k = 1, 3
+            e(j, 3*k - 2:3*k) = axes(:, k)
+         end do
+         call turn_row(half, q(j, 1), q(j, 2), q(j, 3))
+         call turn_row(half, f(j, 1), f(j, 2), f(j, 3))
+         call turn_row(half, rate(j, 1), rate(j, 2), rate(j, 3))
+      end do
    end subroutine show_in_mean_frame
+
+   !> x = x r, a row vector
+   pure subroutine turn_row(r, x1, x2, x3)
+      real(wp), intent(in) :: r(3, 3)
+      real(wp), intent(inout) :: x1, x2, x3
+
+      real(wp) :: y(3)
+
+      y = x1*r(1, :) + x2*r(2, :) + x3*r(3, :)
+      x1 = y(1)
+      x2 = y(2)
+      x3 = y(3)
+   end subroutine turn_row
 
    !> The largest loss of orthogonality of all samples, and whose it is
    subroutine note_loosest(model, state)
