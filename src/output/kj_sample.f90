@@ -141,7 +141,6 @@ contains
 
       integer :: i
 
-      y = 0.0_wp
       select case (channels(channel)%owner)
       case (OF_RUN)
          y = run_value(model, state, sampler, channel, final)

@@ -53,7 +53,11 @@ contains
             end if
          case (CH_J_STATE); call states(joint_types(b%row)%free, s, roster, y)
          case (CH_J_FRICTION)
-            if (allocated(s%slip_energy)) call take(s%slip_energy, roster, y)
+            if (allocated(s%slip_energy)) then
+               call take(s%slip_energy, roster, y)
+            else
+               y(:, roster%entity) = 0.0_wp
+            end if
          case (CH_J_GAP); call gaps_of(b, state%staggered, s%q, 1, roster, y)
          case (CH_J_GAP_ROT); call gaps_of(b, state%staggered, s%q, 4, roster, y)
          end select

@@ -8,6 +8,7 @@ module kj_c_publish
    use kj_joint_batch, only: joint_state_t
    use kj_c_batch, only: c_batch_t, c_joint_t, frame_of, CHART_UNIVERSAL
    use kj_joint_frame, only: BLOCK
+   use kj_c_chart, only: quaternion_frame
    use kj_c_matrix, only: joint_rates
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
@@ -19,6 +20,8 @@ module kj_c_publish
    private
 
    public :: publish
+
+   integer, parameter :: NEXT(4) = [2, 3, 1, 2]   !! direction after 1, 2, 3, 4
 
 contains
 
@@ -69,8 +72,7 @@ contains
       type(c_state_t), intent(in) :: cs
       type(state_t), intent(inout) :: state
 
-      real(wp) :: p(3, 3), f(3), t(3), w(3), l(3), axes0(9), axes(9)
-      integer :: i
+      integer :: from
 
       associate (n => model%n_lead)
          state%world%x(:n, :) = cs%poses%x
@@ -83,33 +85,79 @@ contains
          state%f_own = cs%own_f
          state%m_own = cs%own_t
       end associate
-      do i = 1, model%n_lead
-         f = cs%f(i, :)
-         w = cs%poses%w(i, :)
-         l = cs%l(i, :)
-         t = cs%t(i, :) - cross(w, l)
-         if (c%hold_of(i) > 0) call held_force(c, cs, c%hold_of(i), f, t)
-         state%a(i, :) = c%im(i)*f
-         p = body_matrix(cs, i)
-         state%al(i, :) = matmul(p, c%ii(i, :)*matmul(t, p))
-         if (i > model%n_body) cycle
-         axes0 = c%axes0(i, :)
-         axes = model%axes(i, :)
-         call turn_axes(p, axes0, axes)
-         state%p(i, :) = axes
+      do from = 1, model%n_lead, BLOCK
+         call publish_block(model, c, cs, from, min(BLOCK, model%n_lead - from + 1), state)
       end do
       state%impulse = cs%impulse
       state%angular_impulse = cs%angular_impulse
       state%rotation_sum = cs%turn
    end subroutine publish_leads
 
-   !> Principal axes from those at the start: p axes0^T axes
-   pure subroutine turn_axes(p, axes0, axes)
-      real(wp), intent(in) :: p(3, 3)            !! body axes now, W
-      real(wp), intent(in) :: axes0(3, 3)        !! body axes at the start, W
-      real(wp), intent(inout) :: axes(3, 3)
+   !> Accelerations and principal axes of n leads from ...
+   subroutine publish_block(model, c, cs, from, n, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: cs
+      integer, intent(in) :: from, n
+      type(state_t), intent(inout) :: state
 
-      axes = matmul(p, matmul(transpose(axes0), axes))
+      real(wp) :: q(BLOCK, 4), p(BLOCK, 9), f(BLOCK, 3), t(BLOCK, 3), l(BLOCK, 3), held(3, 2)
+      integer :: i, k, to
+
+      to = from + n - 1
+      q(:n, :) = cs%poses%quat(from:to, :)
+      call quaternion_frame(n, q, p)
+      f(:n, :) = cs%f(from:to, :)
+      l(:n, :) = cs%l(from:to, :)
+      associate (w => cs%poses%w(from:to, :))
+         do k = 1, 3
+            t(:n, k) = cs%t(from:to, k) - (w(:, NEXT(k))*l(:n, NEXT(k + 1)) - &
+               w(:, NEXT(k + 1))*l(:n, NEXT(k)))
+         end do
+      end associate
+      do i = 1, n
+         if (c%hold_of(from + i - 1) == 0) cycle
+         held(:, 1) = f(i, :)
+         held(:, 2) = t(i, :)
+         call held_force(c, cs, c%hold_of(from + i - 1), held(:, 1), held(:, 2))
+         f(i, :) = held(:, 1)
+         t(i, :) = held(:, 2)
+      end do
+      do k = 1, 3
+         state%a(from:to, k) = c%im(from:to)*f(:n, k)
+         l(:n, k) = c%ii(from:to, k)*(t(:n, 1)*p(:n, 3*k - 2) + t(:n, 2)*p(:n, 3*k - 1) + &
+            t(:n, 3)*p(:n, 3*k))
+      end do
+      do k = 1, 3
+         state%al(from:to, k) = p(:n, k)*l(:n, 1) + p(:n, k + 3)*l(:n, 2) + p(:n, k + 6)*l(:n, 3)
+      end do
+      call turn_axes(min(n, model%n_body - from + 1), p, c%axes0(from:, :), model%axes(from:, :), &
+         state%p(from:, :))
+   end subroutine publish_block
+
+   !> Principal axes from those at the start: p axes0^T axes
+   pure subroutine turn_axes(n, p, axes0, axes, now)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: p(BLOCK, 9)        !! body axes now, W
+      real(wp), intent(in) :: axes0(:, :)        !! (n, 9) body axes at the start, W
+      real(wp), intent(in) :: axes(:, :)         !! (n, 9) principal axes at the start, W
+      real(wp), intent(inout) :: now(:, :)       !! (n, 9) principal axes now, W
+
+      real(wp) :: m(3)
+      integer :: i, k, col
+
+      do col = 0, 6, 3
+         !$omp simd private(m, k)
+         do i = 1, n
+            do k = 1, 3
+               m(k) = axes0(i, 3*k - 2)*axes(i, col + 1) + axes0(i, 3*k - 1)*axes(i, col + 2) + &
+                  axes0(i, 3*k)*axes(i, col + 3)
+            end do
+            do k = 1, 3
+               now(i, col + k) = p(i, k)*m(1) + p(i, k + 3)*m(2) + p(i, k + 6)*m(3)
+            end do
+         end do
+      end do
    end subroutine turn_axes
 
    !> Secondary nodes of the history and of its skews from the poses
