@@ -106,6 +106,8 @@ static size_t deflate_rest(size_t n, unsigned char *in, size_t room, unsigned ch
 #ifdef KJOINT_ISAL
    struct isal_zstream *z = (struct isal_zstream *)(((uintptr_t)work + 63)/64*64);
 
+   /* it looks at what a table held before: cleared, equal rows are equal bytes */
+   memset(z, 0, sizeof *z + ISAL_DEF_LVL1_REQ);
    isal_deflate_stateless_init(z);
    z->level = 1;
    z->level_buf = (uint8_t *)(z + 1);
