@@ -3,16 +3,15 @@
 
    Shuffled, byte k of all values stands together: the low bytes of measured numbers are noise,
    which deflate would search in vain. They go into stored blocks; the rest is deflated by ISA-L
-   (KJOINT_ISAL), 7 times as fast as zlib, or by zlib. Nothing here depends on the machine or on
-   what was packed before: equal rows are equal bytes. */
+   (KJOINT_ISAL), 7 times as fast as zlib, or by zlib. What ISA-L writes now and then hangs
+   on what was in memory before, so reproducible histories are left to zlib. */
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 #ifdef KJOINT_ISAL
 #include <isa-l/igzip_lib.h>
-#else
-#include <zlib.h>
 #endif
+#include <zlib.h>
 
 enum { SAMPLE = 4096, MOST_STORED = 65535, SLACK = 1024 };
 
@@ -26,7 +25,7 @@ size_t kj_chunk_bound(size_t bytes)
 size_t kj_chunk_work(size_t bytes)
 {
 #ifdef KJOINT_ISAL
-   return bytes + 64 + sizeof(struct isal_zstream) + ISAL_DEF_LVL1_DEFAULT;
+   return bytes + SLACK + sizeof(struct isal_zstream) + ISAL_DEF_LVL1_DEFAULT;
 #else
    return bytes;
 #endif
@@ -100,14 +99,15 @@ static int is_noise(size_t plane, size_t row, const unsigned char *p)
 }
 
 /* Deflate to the end of a stream without header; 0 when it fails */
-static size_t deflate_rest(size_t n, unsigned char *in, size_t room, unsigned char *out,
-   unsigned char *work)
+static size_t deflate_rest(int exact, size_t n, unsigned char *in, size_t room,
+   unsigned char *out, unsigned char *work)
 {
+   z_stream s = {0};
+   size_t made = 0;
 #ifdef KJOINT_ISAL
-   struct isal_zstream *z = (struct isal_zstream *)(((uintptr_t)work + 63)/64*64);
+   struct isal_zstream *z = (struct isal_zstream *)(((uintptr_t)work + SLACK - 64 + 63)/64*64);
 
-   /* it looks at what a table held before: cleared, equal rows are equal bytes */
-   memset(z, 0, sizeof *z + ISAL_DEF_LVL1_REQ);
+   if (exact) goto zlib;
    isal_deflate_stateless_init(z);
    z->level = 1;
    z->level_buf = (uint8_t *)(z + 1);
@@ -119,20 +119,18 @@ static size_t deflate_rest(size_t n, unsigned char *in, size_t room, unsigned ch
    z->next_out = out;
    z->avail_out = (uint32_t)room;
    return isal_deflate_stateless(z) == COMP_OK ? z->total_out : 0;
-#else
-   z_stream z = {0};
-   size_t made = 0;
-
-   (void)work;
-   if (deflateInit2(&z, 1, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) return 0;
-   z.next_in = in;
-   z.avail_in = (uInt)n;
-   z.next_out = out;
-   z.avail_out = (uInt)room;
-   if (deflate(&z, Z_FINISH) == Z_STREAM_END) made = z.total_out;
-   deflateEnd(&z);
-   return made;
+zlib:
 #endif
+   (void)work;
+   (void)exact;
+   if (deflateInit2(&s, 1, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) return 0;
+   s.next_in = in;
+   s.avail_in = (uInt)n;
+   s.next_out = out;
+   s.avail_out = (uInt)room;
+   if (deflate(&s, Z_FINISH) == Z_STREAM_END) made = s.total_out;
+   deflateEnd(&s);
+   return made;
 }
 
 static uint32_t checksum(size_t n, const unsigned char *p)
@@ -145,9 +143,9 @@ static uint32_t checksum(size_t n, const unsigned char *p)
 }
 
 /* Pack a chunk of `rows_full` rows of `n_full` values of `size` bytes (real: 8 bytes as they are).
-   Given are `rows` rows of `n` values, each `stride` after the one before; the others are 0.
+   exact: equal rows are equal bytes. Given are `rows` rows of `n` values, each `stride` after the one before; the others are 0.
    work: kj_chunk_work bytes, packed: kj_chunk_bound bytes. Returns the bytes packed, 0 on failure. */
-size_t kj_pack_chunk(int real, int size, size_t n, size_t n_full, size_t rows, size_t rows_full,
+size_t kj_pack_chunk(int exact, int real, int size, size_t n, size_t n_full, size_t rows, size_t rows_full,
    const double *values, size_t stride, unsigned char *work, unsigned char *packed)
 {
    const size_t plane = n_full*rows_full, bytes = plane*(size_t)size;
@@ -177,7 +175,7 @@ size_t kj_pack_chunk(int real, int size, size_t n, size_t n_full, size_t rows, s
       in += made;
       out += made;
    }
-   made = deflate_rest(bytes - k*plane, in, kj_chunk_bound(bytes) - (size_t)(out - packed) - 4, out,
+   made = deflate_rest(exact, bytes - k*plane, in, kj_chunk_bound(bytes) - (size_t)(out - packed) - 4, out,
       work + bytes);
    if (made == 0) return 0;
    out += made;

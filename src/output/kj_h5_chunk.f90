@@ -35,6 +35,7 @@ module kj_h5_chunk
       integer :: n_chunk = 1                     !! rows in a chunk
       type(column_t), allocatable :: column(:)   !! time last
       integer :: threads = 1
+      logical :: exact = .false.                 !! equal rows are equal bytes
       integer(c_int8_t), allocatable :: packed(:, :), work(:, :)   !! of each slot, of each thread
       integer(c_size_t) :: length(SLOTS) = 0     !! bytes packed
    end type packer_t
@@ -50,10 +51,10 @@ module kj_h5_chunk
          integer(c_size_t), value, intent(in) :: bytes
       end function kj_chunk_work
 
-      integer(c_size_t) function kj_pack_chunk(real, size, n, n_full, rows, rows_full, values, &
+      integer(c_size_t) function kj_pack_chunk(exact, real, size, n, n_full, rows, rows_full, values, &
          stride, work, packed) bind(c)
          import :: c_int, c_size_t, c_double, c_int8_t
-         integer(c_int), value, intent(in) :: real, size
+         integer(c_int), value, intent(in) :: exact, real, size
          integer(c_size_t), value, intent(in) :: n, n_full, rows, rows_full, stride
          real(c_double), intent(in) :: values(*)
          integer(c_int8_t), intent(inout) :: work(*), packed(*)
@@ -74,18 +75,20 @@ module kj_h5_chunk
 contains
 
    !> Cut the variables of a history into columns of chunks
-   subroutine new_packer(variable, series, i_time, n_chunk, threads, packer)
+   subroutine new_packer(variable, series, i_time, n_chunk, threads, exact, packer)
       type(variable_t), intent(in) :: variable(:)
       integer(hid_t), intent(in) :: series(:)    !! datasets of the variables, -1 = none
       integer, intent(in) :: i_time              !! the variable that is written last, 0 = none
       integer, intent(in) :: n_chunk             !! rows in a chunk
       integer, intent(in) :: threads
+      logical, intent(in) :: exact               !! equal rows are equal bytes
       type(packer_t), intent(out) :: packer
 
       integer(c_size_t) :: most
       integer :: i
 
       packer%n_chunk = n_chunk
+      packer%exact = exact
       packer%threads = max(1, min(threads, SLOTS))
       allocate (packer%column(0))
       do i = 1, size(variable)
@@ -166,7 +169,8 @@ contains
          thread = 1
          !$ thread = omp_get_thread_num() + 1
          associate (c => packer%column(i), slot => i - first + 1)
-            packer%length(slot) = kj_pack_chunk(merge(1_c_int, 0_c_int, c%real), &
+            packer%length(slot) = kj_pack_chunk(merge(1_c_int, 0_c_int, packer%exact), &
+               merge(1_c_int, 0_c_int, c%real), &
                int(c%bytes, c_int), int(c%n, c_size_t), int(c%n_full, c_size_t), &
                int(n, c_size_t), int(packer%n_chunk, c_size_t), rows(c%first, 1), &
                int(n_value, c_size_t), packer%work(:, thread), packer%packed(:, slot))

@@ -90,7 +90,7 @@ contains
       call write_layout(self%file, history, self%n_chunk, series, error)
       call new_packer(history%variable, series, &
          findloc(history%variable%channel, CH_TIME, dim=1), self%n_chunk, self%n_threads, &
-         self%packer)
+         self%reproducible, self%packer)
       call put_start(self, error)
       if (allocated(error)) then
          call close_file(self%file, closing)
