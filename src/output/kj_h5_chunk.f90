@@ -51,8 +51,8 @@ module kj_h5_chunk
          integer(c_size_t), value, intent(in) :: bytes
       end function kj_chunk_work
 
-      integer(c_size_t) function kj_pack_chunk(exact, real, size, n, n_full, rows, rows_full, values, &
-         stride, work, packed) bind(c)
+      integer(c_size_t) function kj_pack_chunk(exact, real, size, n, n_full, rows, rows_full, &
+         values, stride, work, packed) bind(c)
          import :: c_int, c_size_t, c_double, c_int8_t
          integer(c_int), value, intent(in) :: exact, real, size
          integer(c_size_t), value, intent(in) :: n, n_full, rows, rows_full, stride
