@@ -62,12 +62,14 @@ module kj_element
       logical :: of_deck = .false.               !! joints come from a deck
       logical :: by_component = .false.          !! host arrays are (n, 3), else (3, n)
       integer :: n_host = 0                      !! nodes of the host
-      type(joint_spec_t), allocatable :: spec(:)
+      type(joint_spec_t), allocatable :: spec(:) !! (>= n_spec) joints until they are started
+      integer :: n_spec = 0
       integer, allocatable :: host(:)            !! (n_node) host node of each node, 0 = not read
       integer, allocatable :: shear_node(:, :)   !! (3, n) nodes of each measured skew
-      integer, allocatable :: shear_of(:)        !! (n) joint, negative: its end 2
+      integer, allocatable :: shear_of(:)        !! (n) joint, ascending; negative: its end 2
+      integer, allocatable :: shear_first(:)     !! (n_joint + 1) where those of a joint begin
       real(wp), allocatable :: shear0(:)         !! (n) angle of their first two directions at start
-      real(wp), allocatable :: quat_host(:, :)   !! (4, n_lead) attitudes of the host at the start
+      real(wp), allocatable :: quat_own(:, :)    !! (n_lead, 4) principal axes in axes of the host
       real(wp) :: h_last = 0.0_wp                !! step of the last call
       logical, allocatable :: warned(:)          !! (n_joint) of orthogonality
       type(model_t) :: model

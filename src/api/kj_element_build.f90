@@ -5,22 +5,14 @@ module kj_element_build
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_curve, only: add_curve
-   use kj_joint_types, only: joint_types, find_joint_type, NDOF, FRAME_MEAN, FRAME_FIRST, &
-      FRAME_CROSS
-   use kj_joint_draft, only: property_t, joint_t
-   use kj_build_joint, only: set_constants
-   use kj_build_batch, only: fill_batches
-   use kj_start_frame, only: mean_frame
-   use kj_skew, only: skew_axes
    use kj_element, only: joint_spec_t, joint_set_t, host_vector
    use kj_element_check, only: check_spec, check_shape, check_nodes
+   use kj_element_joints, only: set_joints, HELD
    use kj_element_start, only: begin_state, columns_of, host_quaternion, check_attitude
    implicit none
    private
 
    public :: new_joint_set, add_joint_curve, add_joint, start_joints
-
-   real(wp), parameter :: HELD = 1.0e30_wp        !! mass and inertia where the host moves a carrier
 
 contains
 
@@ -90,10 +82,13 @@ contains
       if (allocated(error)) return
       call check_spec(set, spec, error)
       if (allocated(error)) return
-      allocate (longer(size(set%spec) + 1))
-      longer(:size(set%spec)) = set%spec
-      longer(size(longer)) = spec
-      call move_alloc(longer, set%spec)
+      if (set%n_spec == size(set%spec)) then     ! half as many again: no more than 3 moves a joint
+         allocate (longer(16 + set%n_spec + set%n_spec/2))
+         longer(:set%n_spec) = set%spec
+         call move_alloc(longer, set%spec)
+      end if
+      set%n_spec = set%n_spec + 1
+      set%spec(set%n_spec) = spec
    end subroutine add_joint
 
    !> The set takes joints
@@ -152,7 +147,7 @@ contains
 
       lead = 0
       seen = .false.
-      do j = 1, size(set%spec)
+      do j = 1, set%n_spec
          associate (s => set%spec(j))
             do e = 1, 2
                i = merge(s%carrier(e), s%node(e), s%carrier(e) > 0)
@@ -175,7 +170,7 @@ contains
       set%model%n_lead = size(set%host)
       set%model%n_body = set%model%n_lead
       where (seen) lead = [(i, i=1, set%n_host)]
-      do j = 1, size(set%spec)
+      do j = 1, set%n_spec
          do e = 1, 2
             do n = 1, 3
                i = set%spec(j)%axis_node(n, e)
@@ -191,7 +186,7 @@ contains
       set%model%n_node = size(set%host)
       set%model%node_id = set%host
       set%model%lead = new(lead(set%host))
-      do j = 1, size(set%spec)
+      do j = 1, set%n_spec
          associate (s => set%spec(j))
             s%node = new(s%node)
             do e = 1, 2
@@ -246,138 +241,5 @@ contains
          end if
       end associate
    end subroutine set_scene
-
-   !> Skews, frames and constants of all joints
-   subroutine set_joints(set, error)
-      type(joint_set_t), intent(inout) :: set
-      type(error_t), allocatable, intent(out) :: error
-
-      type(property_t) :: property(size(set%spec))
-      type(joint_t) :: joint(size(set%spec))
-      logical :: moving(2*size(set%spec))
-      integer :: j, e, s
-
-      call set_skews(set)
-      associate (m => set%model)
-         m%n_joint = size(set%spec)
-         m%n_element = m%n_joint
-         allocate (m%joint(m%n_joint), m%joint_name(m%n_joint))
-         moving = .false.
-         s = 0
-         do j = 1, m%n_joint
-            m%joint(j)%id = set%spec(j)%id
-            m%joint_name(j)%s = ''
-            call set_property(set%spec(j), property(j))
-            joint(j)%property = j
-            joint(j)%node = set%spec(j)%node
-            do e = 1, 2
-               if (set%spec(j)%axis_node(1, e) == 0) cycle
-               s = s + 1
-               joint(j)%skew(e) = s
-               moving(s) = set%legacy .and. (property(j)%frame == FRAME_CROSS .or. &
-                  property(j)%frame == FRAME_FIRST .and. e == 1)
-            end do
-            call set_frame(set, property(j)%frame, set%spec(j), joint(j), error)
-            if (allocated(error)) return
-            if (all(m%mass(m%lead(joint(j)%node)) >= HELD)) then
-               call fail(error, ERR_INPUT, 'joint '//str(m%joint(j)%id)// &
-                  ': both carriers have mass 0')
-               return
-            end if
-            call set_constants(m, property(j), joint(j))
-         end do
-         m%skews%needed = pack([(s, s=1, m%skews%n)], moving(:m%skews%n))
-         call fill_batches(property, joint, m)
-      end associate
-   end subroutine set_joints
-
-   !> One skew for each end with axis nodes
-   subroutine set_skews(set)
-      type(joint_set_t), intent(inout) :: set
-
-      integer :: j, e, n
-
-      n = 0
-      do j = 1, size(set%spec)
-         n = n + count(set%spec(j)%axis_node(1, :) > 0)
-      end do
-      associate (k => set%model%skews, x => set%model%x0)
-         k%n = n
-         allocate (k%id(n), k%dir(n), k%node(3, n), set%shear_node(3, n), set%shear_of(n), source=1)
-         allocate (k%axes(0:n, 9), source=0.0_wp)
-         k%axes(0, [1, 5, 9]) = 1.0_wp
-         n = 0
-         do j = 1, size(set%spec)
-            do e = 1, 2
-               if (set%spec(j)%axis_node(1, e) == 0) cycle
-               n = n + 1
-               k%id(n) = n
-               k%node(:, n) = set%spec(j)%axis_node(:, e)
-               k%axes(n, :) = skew_axes(1, x(k%node(1, n), :), x(k%node(2, n), :), &
-                  x(k%node(3, n), :))
-               set%shear_node(:, n) = k%node(:, n)
-               set%shear_of(n) = merge(j, -j, e == 1)
-            end do
-         end do
-      end associate
-   end subroutine set_skews
-
-   !> What a deck would say in /PROP/KJOINT
-   pure subroutine set_property(spec, p)
-      type(joint_spec_t), intent(in) :: spec
-      type(property_t), intent(out) :: p
-
-      integer :: dof
-
-      p%id = spec%id
-      p%row = find_joint_type(spec%type)
-      p%frame = joint_types(p%row)%frame
-      if (spec%first_frame .and. p%frame == FRAME_MEAN) p%frame = FRAME_FIRST
-      p%cr = spec%cr
-      if (.not. p%cr > 0.0_wp) p%cr = 0.05_wp
-      p%kn = spec%kn
-      if (all(joint_types(p%row)%free == 1)) then
-         p%cr = 0.0_wp
-         p%kn = 0.0_wp
-      end if
-      p%k = spec%k
-      p%c = spec%c
-      p%k_curve = spec%k_curve
-      p%c_curve = spec%c_curve
-      do dof = 1, NDOF
-         if (p%k_curve(dof) > 0 .and. .not. p%k(dof) > 0.0_wp) p%k(dof) = 1.0_wp
-         if (p%c_curve(dof) > 0 .and. .not. p%c(dof) > 0.0_wp) p%c(dof) = 1.0_wp
-      end do
-   end subroutine set_property
-
-   !> Frame at the start from the axis nodes, else as given
-   subroutine set_frame(set, rule, spec, joint, error)
-      type(joint_set_t), intent(in) :: set
-      integer, intent(in) :: rule
-      type(joint_spec_t), intent(in) :: spec
-      type(joint_t), intent(inout) :: joint
-      type(error_t), allocatable, intent(out) :: error
-
-      real(wp) :: axes(9, 2)
-      logical :: opposite
-      integer :: e
-
-      joint%frame = spec%axes
-      if (all(joint%skew == 0)) return
-      opposite = .false.
-      do e = 1, 2
-         axes(:, e) = set%model%skews%axes(joint%skew(merge(e, 3 - e, joint%skew(e) > 0)), :)
-         if (rule == FRAME_CROSS .and. joint%skew(e) == 0) opposite = .true.
-      end do
-      if (all(abs(norm2(reshape(axes, [3, 6]), dim=1) - 1.0_wp) < 1.0e-6_wp) .and. &
-         .not. opposite) then
-         call mean_frame(rule, axes(:, 1), axes(:, 2), joint%frame, opposite)
-         if (rule == FRAME_CROSS) opposite = abs(dot_product(axes(:3, 1), axes(:3, 2))) > 0.999_wp
-      else
-         opposite = .true.
-      end if
-      if (opposite) call fail(error, ERR_INPUT, 'joint '//str(spec%id)// &
-         ': its axis nodes give no frame (in a line, 180 degrees apart, or one end without)')
-   end subroutine set_frame
 
 end module kj_element_build

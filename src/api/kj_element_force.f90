@@ -122,14 +122,13 @@ contains
             s%poses%x(i, :) = host_vector(set, x, set%host(i))
             s%poses%d(i, :) = s%poses%x(i, :) - set%model%x0(i, :)
             s%poses%quat(i, :) = turned(host_quaternion(set, attitude, set%host(i)), &
-               set%quat_host(:, i), c%quat0(i, :))
+               set%quat_own(i, :))
             p = body_matrix(s, i)
             s%l(i, :) = matmul(p, c%i(i, :)*matmul(s%poses%w(i, :), p))
          end do
-         do i = set%model%n_lead + 1, size(set%host)
+         do i = 1, size(s%node, 1)
             if (set%host(i) > 0) s%node(i, :) = host_vector(set, x, set%host(i))
          end do
-         s%node(:set%model%n_lead, :) = s%poses%x
          s%time = time
          s%h = h
          call find_forces(set%model, c, h, none, never, s)
@@ -317,8 +316,7 @@ contains
             cosine = dot_product(e(4:6), e(7:9))
             loss = abs(asin(max(-1.0_wp, min(1.0_wp, cosine))))
          end if
-         do i = 1, size(set%shear_of)
-            if (abs(set%shear_of(i)) /= j) cycle
+         do i = set%shear_first(j), set%shear_first(j + 1) - 1
             if (set%legacy) x = set%state%world%x(set%shear_node(:, i), :)
             if (.not. set%legacy) x = set%cs%node(set%shear_node(:, i), :)
             loss = max(loss, abs(shear_angle(x) - set%shear0(i)))

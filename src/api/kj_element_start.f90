@@ -7,6 +7,7 @@ module kj_element_start
    use kj_state, only: new_state
    use kj_c_body, only: columns
    use kj_c_blocking, only: start_scene
+   use kj_c_build, only: build_c_model, new_c_state
    use kj_c_bound, only: new_bound
    use kj_element, only: joint_set_t, shear_angle
    implicit none
@@ -16,8 +17,28 @@ module kj_element_start
 
 contains
 
-   !> State at the start, when all constants stand. Errors: those of start_scene
+   !> State at the start, when all constants stand; then what only the start needs goes.
+   !>
+   !> Errors: those of start_scene
    subroutine begin_state(set, error, attitude)
+      type(joint_set_t), intent(inout) :: set
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: attitude(:, :)
+
+      call begin_shear(set)
+      if (set%legacy) then
+         call new_state(set%model, set%state)
+         call drop_legacy(set)
+      else
+         call begin_consistent(set, error, attitude)
+         if (allocated(error)) return
+      end if
+      allocate (set%warned(set%model%n_joint), source=.false.)
+      set%started = .true.
+   end subroutine begin_state
+
+   !> Errors: those of start_scene
+   subroutine begin_consistent(set, error, attitude)
       type(joint_set_t), intent(inout) :: set
       type(error_t), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: attitude(:, :)
@@ -25,28 +46,94 @@ contains
       integer :: i
 
       associate (n => set%model%n_lead)
-         allocate (set%quat_host(4, n), source=0.0_wp)
-         set%quat_host(1, :) = 1.0_wp
-         do i = 1, n
-            if (present(attitude) .and. set%host(i) > 0) &
-               set%quat_host(:, i) = host_quaternion(set, attitude, set%host(i))
-         end do
-         if (set%legacy) then
-            call new_state(set%model, set%state)
-         else
+         if (any(set%model%batch%limited)) then
             call start_scene(set%model, .false., set%c, set%cs, error)
             if (allocated(error)) return
-            call new_bound(set%model, set%c, .false., set%cs, set%bound)
-            allocate (set%cs%f_ahead(n, 3), set%cs%t_ahead(n, 3), source=0.0_wp)
+         else
+            call build_c_model(set%model, set%c)
+            call drop_constants(set)
+            call new_c_state(set%model, set%c, set%cs)
          end if
+         deallocate (set%model%v0, set%model%w0, set%cs%impulse, set%cs%angular_impulse, &
+            set%cs%turn)
+         if (.not. reads_nodes(set)) then
+            deallocate (set%c%axes0, set%cs%node)
+            allocate (set%cs%node(0, 3))
+         end if
+         call move_alloc(set%c%quat0, set%quat_own)
+         if (present(attitude)) then
+            do i = 1, n
+               if (set%host(i) > 0) set%quat_own(i, :) = &
+                  seen_from(host_quaternion(set, attitude, set%host(i)), set%quat_own(i, :))
+            end do
+         end if
+         call new_bound(set%model, set%c, .false., set%cs, set%bound)
+         allocate (set%cs%f_ahead(n, 3), set%cs%t_ahead(n, 3), source=0.0_wp)
       end associate
+   end subroutine begin_consistent
+
+   !> Angles of the measured skews, and where those of each joint begin
+   subroutine begin_shear(set)
+      type(joint_set_t), intent(inout) :: set
+
+      integer :: i, j
+
       allocate (set%shear0(size(set%shear_of)))
       do i = 1, size(set%shear0)
          set%shear0(i) = shear_angle(set%model%x0(set%shear_node(:, i), :))
       end do
-      allocate (set%warned(set%model%n_joint), source=.false.)
-      set%started = .true.
-   end subroutine begin_state
+      allocate (set%shear_first(set%model%n_joint + 1), source=1)
+      do i = 1, size(set%shear_of)
+         j = abs(set%shear_of(i))
+         set%shear_first(j + 1) = set%shear_first(j + 1) + 1
+      end do
+      do j = 1, set%model%n_joint
+         set%shear_first(j + 1) = set%shear_first(j + 1) + set%shear_first(j) - 1
+      end do
+   end subroutine begin_shear
+
+   !> What the host owns, or only the start needs: motion of bodies and nodes, first frames
+   subroutine drop_legacy(set)
+      type(joint_set_t), intent(inout) :: set
+
+      integer :: b
+
+      associate (s => set%state, m => set%model)
+         deallocate (s%d, s%v, s%a, s%al, s%impulse, s%angular_impulse, s%rotation_sum, s%p, &
+            s%principal, s%moved, s%first_moved, m%v0, m%w0, m%axes, m%principal, m%node_id, &
+            m%body_id, m%first)
+         do b = 1, size(m%batch)
+            deallocate (m%batch(b)%frame0, m%batch(b)%angle0)
+         end do
+      end associate
+   end subroutine drop_legacy
+
+   !> Places of other nodes than carriers are read: skews are measured, or conditions read them
+   pure logical function reads_nodes(set)
+      type(joint_set_t), intent(in) :: set
+
+      reads_nodes = size(set%shear_of) > 0 .or. size(set%c%placed) > 0
+   end function reads_nodes
+
+   !> What the constants of the consistent formulation stand for now
+   subroutine drop_constants(set)
+      type(joint_set_t), intent(inout) :: set
+
+      integer :: b
+
+      associate (m => set%model)
+         do b = 1, size(m%batch)
+            deallocate (m%batch(b)%node, m%batch(b)%lead, m%batch(b)%skew, m%batch(b)%xl0, &
+               m%batch(b)%frame0, m%batch(b)%k, m%batch(b)%c, m%batch(b)%k_curve, &
+               m%batch(b)%c_curve, m%batch(b)%angle0)
+         end do
+         deallocate (m%axes, m%principal, m%node_id, m%body_id, m%first)
+         if (reads_nodes(set)) return
+         m%x0 = m%x0(:m%n_lead, :)
+         m%v0 = m%v0(:m%n_lead, :)
+         deallocate (set%c%arm)
+      end associate
+   end subroutine drop_constants
 
    !> Attitudes have the right shape, and are there when they must be
    subroutine check_attitude(set, needed, error, attitude)
@@ -102,12 +189,20 @@ contains
       e = columns(q)
    end function columns_of
 
-   !> Attitude `first` turned as the host has turned from q0 to q1: q1 q0^-1 first
-   pure function turned(q1, q0, first) result(q)
-      real(wp), intent(in) :: q1(4), q0(4), first(4)
+   !> Attitude q in the axes of attitude p: p^-1 q
+   pure function seen_from(p, q) result(own)
+      real(wp), intent(in) :: p(4), q(4)
+      real(wp) :: own(4)
+
+      own = product_of([p(1), -p(2:4)], q)
+   end function seen_from
+
+   !> Attitude `own` in the axes of attitude p, seen from the world: p own
+   pure function turned(p, own) result(q)
+      real(wp), intent(in) :: p(4), own(4)
       real(wp) :: q(4)
 
-      q = product_of(product_of(q1, [q0(1), -q0(2:4)]), first)
+      q = product_of(p, own)
       q = q/norm2(q)
    end function turned
 

@@ -14,7 +14,6 @@ module kjoint
       SEV_NOTE, &
       SEV_WARNING, SEV_ERROR
    use kj_version, only: KJOINT_VERSION
-   use kj_deck, only: deck_t, source_t
    use kj_model, only: model_t
    use kj_state, only: state_t
    use kj_c_state, only: c_model_t, c_state_t
@@ -95,8 +94,6 @@ module kjoint
    type :: simulation_t
       private
       type(run_options_t) :: options
-      type(deck_t) :: deck
-      type(source_t) :: engine_source
       type(model_t) :: model
       type(state_t) :: state                    !! legacy: the state; consistent: what samples read
       logical :: legacy = .false.

@@ -99,8 +99,7 @@ contains
          associate (p => sim%c_state%poses)
             p%d(b, :) = position - sim%model%x0(b, :)
             p%x(b, :) = position
-            p%quat(b, :) = turned(attitude, [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], sim%c_model%quat0(b, &
-               :))
+            p%quat(b, :) = turned(attitude, sim%c_model%quat0(b, :))
          end associate
          call start_anew(sim)
       end if

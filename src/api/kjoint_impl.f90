@@ -1,7 +1,7 @@
 !> Bodies of the public module: loading a deck, and what the history says of it.
 submodule (kjoint) kjoint_impl
    use kj_error, only: add_finding, fail, str
-   use kj_deck, only: read_deck
+   use kj_deck, only: read_deck, deck_t, source_t
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
    use kj_kn_scale, only: scale_blocking
@@ -16,6 +16,8 @@ submodule (kjoint) kjoint_impl
 contains
 
    module procedure load_simulation
+      type(deck_t) :: deck
+      type(source_t) :: engine_source
       type(engine_t) :: controls
       character(len=:), allocatable :: path
 
@@ -23,16 +25,16 @@ contains
       sim%root = starter(:root_length(starter))
       call check_options(sim, error)
       if (allocated(error)) return
-      call read_deck(starter, sim%deck, findings, options%ignore_unsupported)
+      call read_deck(starter, deck, findings, options%ignore_unsupported)
       if (options%until > 0.0_wp .and. len(engine) == 0) then
          controls%t_stop = options%until
       else
          path = engine
          if (len(path) == 0) path = starter(:root_length(starter))//'_0001.rad'   ! of the engine
-         call read_engine(path, controls, sim%engine_source, findings, options%ignore_unsupported)
+         call read_engine(path, controls, engine_source, findings, options%ignore_unsupported)
       end if
-      if (.not. sim%deck%readable) return
-      call build_model(sim%deck, controls, sim%model, findings, sim%legacy)
+      if (.not. deck%readable) return
+      call build_model(deck, controls, sim%model, findings, sim%legacy)
       if (findings%n_error > 0) return
       associate (c => sim%model%control)
          if (options%until > 0.0_wp) c%t_stop = options%until
@@ -56,6 +58,7 @@ contains
       if (options%integrator == 'rkmk4') call refuse_path(sim%model, error)
       if (allocated(error)) return
       call describe(sim)
+      call keep_inputs(deck, engine_source, sim%history)
       sim%load_scale = sim%model%cload%y_scale
       sim%loaded = .true.
    end procedure load_simulation
@@ -189,7 +192,6 @@ contains
          end do
       end associate
       call describe_springs(sim%model, sim%history)
-      call keep_inputs(sim)
       call new_sampler(sim%model, sim%history, sim%sampler)
    end subroutine describe
 
@@ -229,29 +231,31 @@ contains
       end do
    end function body_ids
 
-   !> The decks go into the history as they are
-   subroutine keep_inputs(sim)
-      type(simulation_t), intent(inout) :: sim
+   !> The decks go into the history as they are; their texts are moved there
+   subroutine keep_inputs(deck, engine_source, history)
+      type(deck_t), intent(inout) :: deck
+      type(source_t), intent(inout) :: engine_source
+      type(history_t), intent(inout) :: history
 
       integer :: i, n
 
-      n = sim%deck%n_source
-      if (allocated(sim%engine_source%text)) n = n + 1
-      allocate (sim%history%input_name(n), sim%history%input_text(n), sim%history%input_role(n))
+      n = deck%n_source
+      if (allocated(engine_source%text)) n = n + 1
+      allocate (history%input_name(n), history%input_text(n), history%input_role(n))
       do i = 1, n
-         if (i <= sim%deck%n_source) then
-            call keep(sim%deck%source(i))
+         if (i <= deck%n_source) then
+            call keep(deck%source(i))
          else
-            call keep(sim%engine_source)
+            call keep(engine_source)
          end if
       end do
    contains
       subroutine keep(source)
-         type(source_t), intent(in) :: source
+         type(source_t), intent(inout) :: source
 
-         sim%history%input_name(i)%s = source%path(index(source%path, '/', back=.true.) + 1:)
-         sim%history%input_text(i)%s = source%text
-         sim%history%input_role(i)%s = trim(source%role)
+         history%input_name(i)%s = source%path(index(source%path, '/', back=.true.) + 1:)
+         call move_alloc(source%text, history%input_text(i)%s)
+         history%input_role(i)%s = trim(source%role)
       end subroutine keep
    end subroutine keep_inputs
 

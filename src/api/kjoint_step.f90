@@ -238,7 +238,7 @@ contains
          call fail(error, ERR_INPUT, 'no deck is loaded')
       else if (.not. set%made .or. set%started) then
          call fail(error, ERR_INPUT, 'the set of joints is not new')
-      else if (size(set%spec) > 0 .or. set%model%curves%n > 0) then
+      else if (set%n_spec > 0 .or. set%model%curves%n > 0) then
          call fail(error, ERR_INPUT, 'the set already holds joints or curves')
       else if (set%legacy .neqv. sim%legacy) then
          call fail(error, ERR_INPUT, 'the deck was loaded for another formulation than the set')

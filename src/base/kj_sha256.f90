@@ -4,7 +4,7 @@ module kj_sha256
    implicit none
    private
 
-   public :: sha256
+   public :: sha256, sha256_t, add_text, digest_of
 
    integer(int64), parameter :: MASK = int(z'FFFFFFFF', int64)
 
@@ -39,6 +39,15 @@ module kj_sha256
       int(z'A54FF53A', int64), int(z'510E527F', int64), int(z'9B05688C', int64), &
       int(z'1F83D9AB', int64), int(z'5BE0CD19', int64)]
 
+   !> A digest under way: the text may come in pieces
+   type :: sha256_t
+      private
+      integer(int64) :: h(8) = H0              !! hash value of the whole blocks so far
+      character(len=64) :: held = ''           !! the start of the next block
+      integer :: n_held = 0                    !! its bytes
+      integer(int64) :: n = 0                  !! bytes so far
+   end type sha256_t
+
 contains
 
    !> Digest of the bytes of a text, 64 lower-case hexadecimal digits
@@ -46,25 +55,47 @@ contains
       character(len=*), intent(in) :: text
       character(len=64) :: digest
 
-      character(len=128) :: tail
-      integer(int64) :: h(8), bits
-      integer :: i, n_whole, n_rest, n_tail
+      type(sha256_t) :: sha
 
-      h = H0
-      n_whole = len(text)/64
-      do i = 1, n_whole
-         call add_block(text(64*i - 63:64*i), h)
+      call add_text(sha, text)
+      digest = digest_of(sha)
+   end function sha256
+
+   !> Add the next piece of the text
+   pure subroutine add_text(sha, text)
+      type(sha256_t), intent(inout) :: sha
+      character(len=*), intent(in) :: text
+
+      integer :: at, n
+
+      sha%n = sha%n + len(text)
+      n = min(len(text), 64 - sha%n_held)
+      sha%held(sha%n_held + 1:sha%n_held + n) = text(:n)
+      sha%n_held = sha%n_held + n
+      if (sha%n_held < 64) return
+      call add_block(sha%held, sha%h)
+      do at = n, len(text) - 64, 64
+         call add_block(text(at + 1:at + 64), sha%h)
       end do
+      sha%n_held = modulo(len(text) - n, 64)
+      sha%held(:sha%n_held) = text(len(text) - sha%n_held + 1:)
+   end subroutine add_text
+
+   !> Digest of what has been added, 64 lower-case hexadecimal digits
+   pure function digest_of(sha) result(digest)
+      type(sha256_t), intent(in) :: sha
+      character(len=64) :: digest
+
+      character(len=128) :: tail
+      integer(int64) :: h(8)
+      integer :: i, n_tail
 
       ! the rest, a one bit, zeros, and the length in bits as 8 bytes, highest first
-      n_rest = len(text) - 64*n_whole
-      n_tail = merge(64, 128, n_rest < 56)
-      tail = repeat(achar(0), 128)
-      tail(:n_rest) = text(64*n_whole + 1:)
-      tail(n_rest + 1:n_rest + 1) = char(128)
-      bits = 8*len(text, int64)
+      h = sha%h
+      n_tail = merge(64, 128, sha%n_held < 56)
+      tail = sha%held(:sha%n_held)//char(128)//repeat(achar(0), 127 - sha%n_held)
       do i = 0, 7
-         tail(n_tail - i:n_tail - i) = char(int(ibits(bits, 8*i, 8)))
+         tail(n_tail - i:n_tail - i) = char(int(ibits(8*sha%n, 8*i, 8)))
       end do
       do i = 1, n_tail/64
          call add_block(tail(64*i - 63:64*i), h)
@@ -74,47 +105,73 @@ contains
       do i = 1, len(digest)
          if (digest(i:i) >= 'A') digest(i:i) = achar(iachar(digest(i:i)) + 32)
       end do
-   end function sha256
+   end function digest_of
 
    !> Work 64 bytes into the hash value
-   pure subroutine add_block(block, h)
+   pure subroutine add_block(block, hash)
       character(len=64), intent(in) :: block
-      integer(int64), intent(inout) :: h(8)
+      integer(int64), intent(inout) :: hash(8)
 
-      integer(int64) :: w(0:63), v(8), t1, t2
-      integer :: i, j
+      integer(int64) :: w(0:63), x, y, a, b, c, d, e, f, g, h
+      integer :: i
 
       do i = 0, 15
-         w(i) = 0
-         do j = 1, 4
-            w(i) = ior(ishft(w(i), 8), int(ichar(block(4*i + j:4*i + j)), int64))
-         end do
+         w(i) = ior(ior(shiftl(int(ichar(block(4*i + 1:4*i + 1)), int64), 24), &
+            shiftl(int(ichar(block(4*i + 2:4*i + 2)), int64), 16)), &
+            ior(shiftl(int(ichar(block(4*i + 3:4*i + 3)), int64), 8), &
+            int(ichar(block(4*i + 4:4*i + 4)), int64)))
       end do
       do i = 16, 63
-         t1 = ieor(ieor(turn(w(i - 15), 7), turn(w(i - 15), 18)), ishft(w(i - 15), -3))
-         t2 = ieor(ieor(turn(w(i - 2), 17), turn(w(i - 2), 19)), ishft(w(i - 2), -10))
-         w(i) = iand(w(i - 16) + t1 + w(i - 7) + t2, MASK)
+         x = twice(w(i - 15))
+         y = twice(w(i - 2))
+         w(i) = iand(MASK, w(i - 16) + w(i - 7) + &
+            iand(MASK, ieor(ieor(shiftr(x, 7), shiftr(x, 18)), shiftr(w(i - 15), 3))) + &
+            iand(MASK, ieor(ieor(shiftr(y, 17), shiftr(y, 19)), shiftr(w(i - 2), 10))))
       end do
 
-      v = h
-      do i = 0, 63
-         t1 = ieor(ieor(turn(v(5), 6), turn(v(5), 11)), turn(v(5), 25))
-         t1 = v(8) + t1 + ieor(iand(v(5), v(6)), iand(iand(not(v(5)), MASK), v(7))) + K(i) + w(i)
-         t2 = ieor(ieor(turn(v(1), 2), turn(v(1), 13)), turn(v(1), 22))
-         t2 = t2 + ieor(ieor(iand(v(1), v(2)), iand(v(1), v(3))), iand(v(2), v(3)))
-         v(2:8) = v(1:7)
-         v(5) = iand(v(5) + t1, MASK)
-         v(1) = iand(t1 + t2, MASK)
+      a = hash(1)
+      b = hash(2)
+      c = hash(3)
+      d = hash(4)
+      e = hash(5)
+      f = hash(6)
+      g = hash(7)
+      h = hash(8)
+      do i = 0, 63, 8                          ! names move on by one each round
+         call mix(K(i) + w(i), a, b, c, d, e, f, g, h)
+         call mix(K(i + 1) + w(i + 1), h, a, b, c, d, e, f, g)
+         call mix(K(i + 2) + w(i + 2), g, h, a, b, c, d, e, f)
+         call mix(K(i + 3) + w(i + 3), f, g, h, a, b, c, d, e)
+         call mix(K(i + 4) + w(i + 4), e, f, g, h, a, b, c, d)
+         call mix(K(i + 5) + w(i + 5), d, e, f, g, h, a, b, c)
+         call mix(K(i + 6) + w(i + 6), c, d, e, f, g, h, a, b)
+         call mix(K(i + 7) + w(i + 7), b, c, d, e, f, g, h, a)
       end do
-      h = iand(h + v, MASK)
+      hash = iand(MASK, hash + [a, b, c, d, e, f, g, h])
    end subroutine add_block
 
-   !> Turn a 32-bit word to the right
-   pure integer(int64) function turn(word, bits)
-      integer(int64), intent(in) :: word
-      integer, intent(in) :: bits
+   !> One round: the new values of d and h
+   pure subroutine mix(kw, a, b, c, d, e, f, g, h)
+      integer(int64), intent(in) :: kw         !! constant and word of the round
+      integer(int64), intent(in) :: a, b, c, e, f, g
+      integer(int64), intent(inout) :: d, h
 
-      turn = iand(ior(ishft(word, -bits), ishft(word, 32 - bits)), MASK)
-   end function turn
+      integer(int64) :: x
+
+      x = twice(e)
+      h = h + kw + ieor(g, iand(e, ieor(f, g))) + &
+         iand(MASK, ieor(ieor(shiftr(x, 6), shiftr(x, 11)), shiftr(x, 25)))
+      d = iand(MASK, d + h)
+      x = twice(a)
+      h = iand(MASK, h + ior(iand(a, b), iand(c, ior(a, b))) + &
+         iand(MASK, ieor(ieor(shiftr(x, 2), shiftr(x, 13)), shiftr(x, 22))))
+   end subroutine mix
+
+   !> A 32-bit word twice, side by side: shifted right, its low half is the word turned right
+   pure integer(int64) function twice(word)
+      integer(int64), intent(in) :: word
+
+      twice = ior(word, shiftl(word, 32))
+   end function twice
 
 end module kj_sha256

@@ -3,7 +3,7 @@ module kj_utf8
    implicit none
    private
 
-   public :: as_utf8
+   public :: as_utf8, is_plain
 
 contains
 
@@ -38,6 +38,19 @@ contains
       end do
       utf8 = utf8(:n)
    end function as_utf8
+
+   !> as_utf8 would change nothing, since all is ASCII without null characters
+   pure logical function is_plain(text)
+      character(len=*), intent(in) :: text
+
+      integer :: i, code
+
+      is_plain = .true.
+      do i = 1, len(text)
+         code = ichar(text(i:i))
+         if (code == 0 .or. code > 127) is_plain = .false.
+      end do
+   end function is_plain
 
    !> Is this well-formed UTF-8 (RFC 3629: no overlong forms, no surrogates, up to U+10FFFF)?
    pure logical function is_utf8(text)

@@ -43,7 +43,7 @@ contains
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
          at = (from - 1)/BLOCK + 1
-         call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, at), rate)
+         call rates(batch, on, poses%v, poses%w, from, n, joint%b(:, :, at), rate)
          do k = 1, NDOF
             if (.not. on(k)) then
                f(:n, k) = 0.0_wp
@@ -91,7 +91,7 @@ contains
       integer :: i, j, k
 
       on = damped_dofs(batch)
-      call rates(batch, v, w, from, n, b, rate)
+      call rates(batch, on, v, w, from, n, b, rate)
       do k = 1, NDOF
          if (.not. on(k)) cycle
          !$omp simd private(j)

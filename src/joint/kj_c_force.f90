@@ -62,7 +62,7 @@ contains
             call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
          end if
          if (batch%damped) then
-            call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, at), q)
+            call rates(batch, damped, poses%v, poses%w, from, n, joint%b(:, :, at), q)
             do k = 1, 6
                if (.not. damped(k)) then
                   q(:n, k) = 0.0_wp

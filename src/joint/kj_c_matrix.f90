@@ -3,12 +3,15 @@
 !> Source: consistent.md 1.
 module kj_c_matrix
    use kj_kinds, only: wp
+   use kj_joint_types, only: NDOF
    use kj_joint_frame, only: BLOCK
    use kj_c_batch, only: c_batch_t, c_joint_t, N_B
    implicit none
    private
 
    public :: poses_t, rates, joint_rates, add_moment, put_wrench
+
+   logical, parameter :: ALL_DOFS(NDOF) = .true.
 
    !> force on end 1, moment about lead 1, about lead 2
    integer, parameter, public :: N_C_WRENCH = 9
@@ -94,14 +97,16 @@ contains
 
       do from = 1, batch%n, BLOCK
          n = min(BLOCK, batch%n - from + 1)
-         call rates(batch, poses%v, poses%w, from, n, joint%b(:, :, (from - 1)/BLOCK + 1), part)
+         call rates(batch, ALL_DOFS, poses%v, poses%w, from, n, &
+            joint%b(:, :, (from - 1)/BLOCK + 1), part)
          rate(from:from + n - 1, :) = part(:n, :)
       end do
    end subroutine joint_rates
 
    !> q' = B v: translations e.(v2 - v1 - w2 x d) + m1.(w2 - w1), rotations rot.(w2 - w1)
-   pure subroutine rates(batch, v, w, from, n, b, rate)
+   pure subroutine rates(batch, on, v, w, from, n, b, rate)
       type(c_batch_t), intent(in) :: batch
+      logical, intent(in) :: on(NDOF)            !! rates that are wanted
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: b(BLOCK, N_B)
@@ -126,11 +131,17 @@ contains
          dv(i, 3) = dv(i, 3) - (w2(i, 1)*b(i, 29) - w2(i, 2)*b(i, 28))
       end do
       do k = 0, 2
+         if (on(1 + k)) then
+            !$omp simd
+            do i = 1, n
+               rate(i, 1 + k) = b(i, 3*k + 1)*dv(i, 1) + b(i, 3*k + 2)*dv(i, 2) + &
+                  b(i, 3*k + 3)*dv(i, 3) + &
+                  (b(i, 3*k + 10)*dw(i, 1) + b(i, 3*k + 11)*dw(i, 2) + b(i, 3*k + 12)*dw(i, 3))
+            end do
+         end if
+         if (.not. on(4 + k)) cycle
          !$omp simd
          do i = 1, n
-            rate(i, 1 + k) = b(i, 3*k + 1)*dv(i, 1) + b(i, 3*k + 2)*dv(i, 2) + &
-               b(i, 3*k + 3)*dv(i, 3) + &
-               (b(i, 3*k + 10)*dw(i, 1) + b(i, 3*k + 11)*dw(i, 2) + b(i, 3*k + 12)*dw(i, 3))
             rate(i, 4 + k) = b(i, 3*k + 19)*dw(i, 1) + b(i, 3*k + 20)*dw(i, 2) + &
                b(i, 3*k + 21)*dw(i, 3)
          end do

@@ -8,7 +8,8 @@ module kj_h5_group
    use kj_channels, only: channels, groups, OF_JOINT, OF_BODY, OF_NODE, OF_SPRING, AS_F64, AS_I32
    use kj_history, only: history_t, text_t
    use kj_h5, only: hid_t, close_object, put_text
-   use kj_h5_data, only: write_numbers, write_texts, make_scale, attach_scale
+   use kj_h5_data, only: make_scale, attach_scale
+   use kj_h5_fixed, only: write_numbers, write_texts
    implicit none
    private
 

@@ -4,15 +4,16 @@ module kj_h5_layout
    use kj_kinds, only: wp
    use kj_error, only: error_t
    use kj_version, only: KJOINT_VERSION
-   use kj_sha256, only: sha256
-   use kj_utf8, only: as_utf8
+   use kj_sha256, only: sha256_t, add_text, digest_of
+   use kj_utf8, only: as_utf8, is_plain
    use kj_units, only: unit_text
    use kj_channels, only: channels, groups, sampled_at, OF_RUN, OF_JOINT, OF_SPRING, AS_F64, &
       AS_I32, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
    use kj_history, only: history_t, variable_t, text_t
    use kj_h5, only: hid_t, create_group, close_object, has_link, link_to, put_text, put_texts, &
       put_number, put_numbers
-   use kj_h5_data, only: create_series, write_text, make_scale, attach_scale
+   use kj_h5_data, only: create_series, make_scale, attach_scale
+   use kj_h5_fixed, only: write_text
    use kj_h5_group, only: group_scope_t, n_entity, component_name, component_scale, write_scales, &
       write_constants
    implicit none
@@ -33,10 +34,13 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       type(group_scope_t) :: root
+      character(len=64) :: all_input
+      character(len=64), allocatable :: input(:)
       integer :: owner, i
 
       series = -1
-      call put_root_attributes(file, history, error)
+      call find_digests(history, all_input, input)
+      call put_root_attributes(file, history, all_input, error)
       root%group = file
       root%coordinates = ''
       do i = 1, size(history%variable)
@@ -52,16 +56,41 @@ contains
       do owner = OF_JOINT, OF_SPRING
          call write_group(file, root%time, history, owner, n_chunk, series, error)
       end do
-      call write_input(file, history, error)
+      call write_input(file, history, input, error)
    end subroutine write_layout
 
-   subroutine put_root_attributes(file, history, error)
+   !> SHA-256 of all decks one after the other, and of each. Of the first of several, or the only
+   !> one, it is found on the way: decks may be large.
+   pure subroutine find_digests(history, all_input, input)
+      type(history_t), intent(in) :: history
+      character(len=64), intent(out) :: all_input
+      character(len=64), allocatable, intent(out) :: input(:)
+
+      type(sha256_t) :: all, one
+      integer :: i
+
+      allocate (input(0))
+      if (allocated(history%input_text)) then
+         deallocate (input)
+         allocate (input(size(history%input_text)))
+         do i = 1, size(input)
+            call add_text(all, history%input_text(i)%s)
+            one = sha256_t()
+            if (i > 1) call add_text(one, history%input_text(i)%s)
+            if (i == 1) one = all
+            input(i) = digest_of(one)
+         end do
+      end if
+      all_input = digest_of(all)
+   end subroutine find_digests
+
+   subroutine put_root_attributes(file, history, all_input, error)
       integer(hid_t), intent(in) :: file
       type(history_t), intent(in) :: history
+      character(len=*), intent(in) :: all_input    !! digest of all decks
       type(error_t), allocatable, intent(inout) :: error
 
-      character(len=:), allocatable :: all_input
-      integer :: i, owner
+      integer :: owner
 
       call put_text(file, 'Conventions', 'CF-1.11 KJOINT-TH-1.0', error)
       if (allocated(history%title)) call put_text(file, 'title', as_utf8(history%title), error)
@@ -73,13 +102,7 @@ contains
       call put_text(file, 'unit_time', trim(history%units%symbol(3)), error)
       call put_numbers(file, 'unit_si', AS_F64, history%units%si, error)
       if (history%single_precision) call put_text(file, 'precision', 'single', error)
-      if (allocated(history%input_text)) then
-         all_input = ''
-         do i = 1, size(history%input_text)
-            all_input = all_input//history%input_text(i)%s
-         end do
-         call put_text(file, 'input_sha256', sha256(all_input), error)
-      end if
+      if (allocated(history%input_text)) call put_text(file, 'input_sha256', all_input, error)
       call put_text(file, 'NX_class', 'NXentry', error)
       do owner = OF_JOINT, OF_SPRING
          if (n_entity(history, owner) == 0) cycle
@@ -236,9 +259,10 @@ contains
    end subroutine put_variable_attributes
 
    !> Write the deck files, a dataset each
-   subroutine write_input(file, history, error)
+   subroutine write_input(file, history, digest, error)
       integer(hid_t), intent(in) :: file
       type(history_t), intent(in) :: history
+      character(len=64), intent(in) :: digest(:)   !! of each
       type(error_t), allocatable, intent(inout) :: error
 
       character(len=:), allocatable :: name
@@ -256,8 +280,12 @@ contains
          do while (has_link(group, name))
             name = name//'~'
          end do
-         call write_text(group, name, as_utf8(history%input_text(i)%s), id, error)
-         call put_text(id, 'sha256', sha256(history%input_text(i)%s), error)
+         if (is_plain(history%input_text(i)%s)) then
+            call write_text(group, name, history%input_text(i)%s, id, error)
+         else
+            call write_text(group, name, as_utf8(history%input_text(i)%s), id, error)
+         end if
+         call put_text(id, 'sha256', digest(i), error)
          call put_text(id, 'role', history%input_role(i)%s, error)
          call close_object(id, error)
       end do

@@ -3,7 +3,7 @@
 module kj_c_limits
    use kj_kinds, only: wp
    use kj_lapack, only: largest_eigenvalue
-   use kj_joint_batch, only: joint_state_t, new_joint_state, LAW_SPRING_CURVE
+   use kj_joint_batch, only: joint_state_t, LAW_SPRING_CURVE
    use kj_joint_force, only: start_stiffness
    use kj_joint_law, only: step_stiffness
    use kj_model, only: model_t
@@ -33,7 +33,8 @@ contains
       kr = 0.0_wp
       do b = 1, size(model%batch)
          times = merge(1.0_wp, 2.0_wp, c%batch(b)%spring)
-         call new_joint_state(model%batch(b), legacy)
+         if (allocated(legacy%stiff)) deallocate (legacy%stiff)
+         allocate (legacy%stiff(model%batch(b)%n, 2), source=0.0_wp)
          call start_stiffness(model%batch(b), legacy)
          do i = 1, model%batch(b)%n
             if (c%batch(b)%limited .or. any(c%batch(b)%law >= LAW_SPRING_CURVE)) then

@@ -20,6 +20,16 @@ module kj_step
 
    public :: find_accelerations, advance, find_joint_forces
 
+   abstract interface
+      !> A stage of the cycle for one piece of the joints or leads (kj_team)
+      subroutine stage_i(model, state, piece)
+         import :: model_t, state_t
+         type(model_t), intent(in) :: model
+         type(state_t), intent(inout) :: state
+         integer, intent(in) :: piece
+      end subroutine stage_i
+   end interface
+
 contains
 
    !> Cycle n up to the accelerations: everything at t(n) is known, h2 is chosen.
@@ -35,13 +45,13 @@ contains
       call find_joint_forces(model, state, sampling)
       call add_cloads(model, state)
       call add_host_loads(state)
-      call turn_all(model, state)
+      call in_pieces(turn, size(state%team%lead, 2), model, state)
       call solve_conditioned(model, state)
       call choose_step(model, state)
       call check_step(model, state, error)
       if (.not. allocated(error)) call set_blocking(model, state, error)
       state%work = state%work + state%power*state%h2
-      call accelerate_all(model, state)
+      call in_pieces(accelerate, size(state%team%lead, 2), model, state)
       call add_gravity(model, state)
       call hold_conditions(model, state)
       call impose_motion(model, state)
@@ -59,7 +69,7 @@ contains
       integer :: i
 
       call check_turns(model, state, error)
-      call move_all(model, state)
+      call in_pieces(move, size(state%team%lead, 2), model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
             state%h2*state%world%w(model%motion(i)%lead, :)
@@ -76,8 +86,11 @@ contains
       logical, intent(in) :: sampling        !! keep the rates, too
 
       call move_skews(model%skews, state%world%x, state%world%skew)
-      call joint_forces(model, state, sampling)
-      call gather(model, state)
+      state%world%time = state%time
+      state%world%h12 = state%h12
+      state%sampling = sampling
+      call in_pieces(add_joints, size(state%team%joint, 2), model, state)
+      call in_pieces(gather, size(state%team%lead, 2), model, state)
    end subroutine find_joint_forces
 
    !> Forces and moments of an embedding host on the leads, W, and their power
@@ -94,104 +107,96 @@ contains
          sum(state%m_host*state%world%w)
    end subroutine add_host_loads
 
-   subroutine joint_forces(model, state, sampling)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      logical, intent(in) :: sampling
-
-      integer :: piece, b
-
-      state%world%time = state%time
-      state%world%h12 = state%h12
-      associate (team => state%team)
-         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-         !$omp private(b)
-         do piece = 1, size(team%joint, 2)
-            b = team%joint(1, piece)
-            call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, sampling, &
-               team%joint(2, piece), team%joint(3, piece), state%joint(b), state%wrench)
-         end do
-      end associate
-   end subroutine joint_forces
-
-   subroutine gather(model, state)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-
-      integer :: piece, lo, hi
-
-      associate (team => state%team)
-         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-         !$omp private(lo, hi)
-         do piece = 1, size(team%lead, 2)
-            lo = team%lead(1, piece)
-            hi = team%lead(2, piece)
-            call gather_wrenches(model%map, state%wrench, lo, hi, state%f, state%m, state%kn, &
-               state%kr)
-            state%kn(lo:hi) = state%kn(lo:hi) + EPS20
-            state%kr(lo:hi) = state%kr(lo:hi) + EPS20
-            state%f_own(lo:hi, :) = 0.0_wp
-            state%m_own(lo:hi, :) = 0.0_wp
-         end do
-      end associate
-   end subroutine gather
-
-   !> Turn of the bodies and their angular accelerations; impulses of the forces on secondary nodes,
-   !> as the Radioss time history keeps them
-   subroutine turn_all(model, state)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-
-      integer :: piece, lo, hi, k
-
-      associate (team => state%team)
-         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-         !$omp private(lo, hi, k)
-         do piece = 1, size(team%lead, 2)
-            lo = team%lead(1, piece)
-            hi = min(team%lead(2, piece), model%n_body)
-            do k = 1, 3
-               state%impulse(lo:hi, k) = state%impulse(lo:hi, k) + state%h1*state%f(lo:hi, k)
-               state%angular_impulse(lo:hi, k) = state%angular_impulse(lo:hi, k) + &
-                  state%h1*state%m(lo:hi, k)
-            end do
-            call turn_bodies(state, lo, hi)
-         end do
-      end associate
-   end subroutine turn_all
-
-   subroutine accelerate_all(model, state)
+   !> Do a stage piece by piece: in threads, or without them. Even a team of one thread costs a
+   !> microsecond, more than the stage of a few joints.
+   subroutine in_pieces(stage, n, model, state)
+      procedure(stage_i) :: stage
+      integer, intent(in) :: n               !! pieces
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
 
       integer :: piece
 
-      associate (team => state%team)
-         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1)
-         do piece = 1, size(team%lead, 2)
-            call linear_accelerations(model, team%lead(1, piece), team%lead(2, piece), state)
+      if (state%team%threads == 1) then
+         do piece = 1, n
+            call stage(model, state, piece)
          end do
-      end associate
-   end subroutine accelerate_all
+         return
+      end if
+      !$omp parallel do schedule(static) num_threads(state%team%threads)
+      do piece = 1, n
+         call stage(model, state, piece)
+      end do
+   end subroutine in_pieces
 
-   !> New velocities and positions of bodies with their secondary nodes, and of free nodes
-   subroutine move_all(model, state)
+   subroutine add_joints(model, state, piece)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
 
-      integer :: piece, lo, hi
+      integer :: b
 
-      associate (team => state%team)
-         !$omp parallel do schedule(static) num_threads(team%threads) if(team%threads > 1) &
-         !$omp private(lo, hi)
-         do piece = 1, size(team%lead, 2)
-            lo = team%lead(1, piece)
-            hi = team%lead(2, piece)
-            call move_secondaries(model, lo, min(hi, model%n_body), state)
-            call move_leads(lo, hi, state)
-         end do
-      end associate
-   end subroutine move_all
+      b = state%team%joint(1, piece)
+      call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, state%sampling, &
+         state%team%joint(2, piece), state%team%joint(3, piece), state%joint(b), state%wrench)
+   end subroutine add_joints
+
+   subroutine gather(model, state, piece)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
+
+      integer :: lo, hi
+
+      lo = state%team%lead(1, piece)
+      hi = state%team%lead(2, piece)
+      call gather_wrenches(model%map, state%wrench, lo, hi, state%f, state%m, state%kn, state%kr)
+      state%kn(lo:hi) = state%kn(lo:hi) + EPS20
+      state%kr(lo:hi) = state%kr(lo:hi) + EPS20
+      state%f_own(lo:hi, :) = 0.0_wp
+      state%m_own(lo:hi, :) = 0.0_wp
+   end subroutine gather
+
+   !> Turn of the bodies and their angular accelerations; impulses of the forces on secondary nodes,
+   !> as the Radioss time history keeps them
+   subroutine turn(model, state, piece)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
+
+      integer :: lo, hi, k
+
+      lo = state%team%lead(1, piece)
+      hi = min(state%team%lead(2, piece), model%n_body)
+      do k = 1, 3
+         state%impulse(lo:hi, k) = state%impulse(lo:hi, k) + state%h1*state%f(lo:hi, k)
+         state%angular_impulse(lo:hi, k) = state%angular_impulse(lo:hi, k) + &
+            state%h1*state%m(lo:hi, k)
+      end do
+      call turn_bodies(state, lo, hi)
+   end subroutine turn
+
+   subroutine accelerate(model, state, piece)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
+
+      call linear_accelerations(model, state%team%lead(1, piece), state%team%lead(2, piece), state)
+   end subroutine accelerate
+
+   !> New velocities and positions of bodies with their secondary nodes, and of free nodes
+   subroutine move(model, state, piece)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
+
+      integer :: lo, hi
+
+      lo = state%team%lead(1, piece)
+      hi = state%team%lead(2, piece)
+      call move_secondaries(model, lo, min(hi, model%n_body), state)
+      call move_leads(lo, hi, state)
+   end subroutine move
 
    subroutine check_step(model, state, error)
       type(model_t), intent(in) :: model

@@ -37,6 +37,16 @@ def free_body():
     return m.model(until=1.0, sample=0.1, dt_scale=0.5), body
 
 
+def threads_of_process():
+    """None where the system does not tell"""
+    return len(os.listdir("/proc/self/task")) if os.path.isdir("/proc/self/task") else None
+
+
+def with_openmp():
+    with open("/proc/self/maps") as maps:
+        return "libgomp" in maps.read()
+
+
 class Models(unittest.TestCase):
     def test_stepping_gives_the_bits_of_a_run(self):
         options = dict(until=0.02, sample=1e-3, formulation="legacy")
@@ -47,6 +57,24 @@ class Models(unittest.TestCase):
             stepped.sample()
         for channel in ("time", "joint/force", "rigid_body/position", "external_work"):
             np.testing.assert_array_equal(run[channel][:20], stepped[channel])
+
+    def test_two_threads_give_the_bits_of_one(self):
+        # 1000 joints: a thread takes 500 at least
+        m = kjoint.Mechanism("chain", gravity=(0, 0, -9.81))
+        last = m.ground()
+        for i in range(1000):
+            link = m.body(0.2, (2e-5, 2e-4, 2e-4), at=(0.1*i + 0.05, 0, 0), omega=(i % 7, 0, 1))
+            m.joint("spherical", last, link, at=(0.1*i, 0, 0))
+            last = link
+        for formulation in ("consistent", "legacy"):
+            options = dict(until=5e-4, sample=1e-4, formulation=formulation)
+            one = m.model(**options, threads=1).run()
+            before = threads_of_process()
+            two = m.model(**options, threads=2).run()
+            if formulation == "consistent" and before and with_openmp():
+                self.assertGreater(threads_of_process(), before)
+            for channel in ("time", "joint/force", "rigid_body/position", "rigid_body/velocity"):
+                np.testing.assert_array_equal(one[channel], two[channel])
 
     def test_a_constant_load_does_what_newton_says(self):
         # v = F t/m = 3*0.5/2, x - x0 = F t^2/(2 m); leap-frog is exact here
@@ -200,6 +228,23 @@ class Elements(unittest.TestCase):
         self.assertEqual(joints.result(0).type, 9)
         with self.assertRaises(ValueError):
             joints.forces(0.2, 0.1, x[:1], zero, zero, f, m, q)
+
+    def test_each_of_many_joints_has_its_own_law(self):
+        # springs of 5 and 7 along x, free and translational, all to node 0; at 0.1 each pulls back
+        laws = [("free", 5.0), ("free", 5.0), ("translational", 5.0), ("free", 7.0),
+                ("translational", 5.0), ("translational", 7.0), ("translational", 7.0)]*6
+        n = len(laws)
+        for formulation in ("consistent", "legacy"):
+            joints = kjoint.Joints(n + 1, formulation)
+            for i, (kind, k) in enumerate(laws):
+                joints.add(kind, (0, i + 1), k=(k, 0, 0, 0, 0, 0), **({} if kind == "free" else {"kn": 100.0}))
+            x, zero, q = np.zeros((n + 1, 3)), np.zeros((n + 1, 3)), np.tile([1.0, 0, 0, 0], (n + 1, 1))
+            joints.start(x, [0.0] + [4.0]*n, np.ones((n + 1, 3)), q)
+            x[1:, 0] = 0.1
+            f, m = np.zeros((n + 1, 3)), np.zeros((n + 1, 3))
+            joints.forces(0.0, 0.0, x, zero, zero, f, m, q)
+            np.testing.assert_allclose(f[1:, 0], [-0.1*k for _, k in laws], atol=1e-12)
+            np.testing.assert_allclose(f[0, 0], 0.1*sum(k for _, k in laws), atol=1e-12)
 
     def test_nodal_stiffness_bears_the_legacy_step(self):
         # legacy: k of a blocked direction is (C + sqrt(C^2 + k m))^2/m with C = cr sqrt(k m), and

@@ -1,0 +1,42 @@
+# HDF5 out of its archives, for the program: the shared library of Debian brings libcurl and thirty
+# more, and loading them takes longer than a run of one joint.
+option(KJOINT_STATIC_HDF5 "Link HDF5 into the program, where it has archives" ON)
+
+# Link `target` with the libraries that use HDF5, named after it, and with the archives beside the
+# shared libraries of HDF5: these then have nothing left to give and are not needed at run time.
+function(kjoint_static_hdf5 target)
+  if(NOT KJOINT_STATIC_HDF5 OR NOT CMAKE_SYSTEM_NAME STREQUAL "Linux")
+    return()
+  endif()
+  set(archives "")
+  foreach(name hdf5_hl_fortran hdf5_fortran hdf5_hl hdf5)
+    get_target_property(shared hdf5::${name} IMPORTED_LOCATION)
+    string(REGEX REPLACE "[.]so$" ".a" archive "${shared}")
+    if(NOT EXISTS "${archive}")
+      return()
+    endif()
+    list(APPEND archives "${archive}")
+  endforeach()
+  # what HDF5 may be built with; --as-needed drops the rest
+  find_library(KJOINT_SZ_LIBRARY sz)
+  mark_as_advanced(KJOINT_SZ_LIBRARY)
+  if(KJOINT_SZ_LIBRARY)
+    list(APPEND archives "${KJOINT_SZ_LIBRARY}")
+  endif()
+  list(APPEND archives ZLIB::ZLIB ${CMAKE_DL_LIBS} m)
+
+  set(CMAKE_REQUIRED_QUIET ON)
+  set(CMAKE_REQUIRED_INCLUDES ${HDF5_Fortran_INCLUDE_DIRS})
+  set(CMAKE_REQUIRED_LIBRARIES ${archives})
+  check_source_compiles(Fortran "program p
+      use h5ds, only: h5dsset_scale_f
+      use hdf5, only: hid_t, h5open_f
+      integer :: status
+      call h5open_f(status)
+      call h5dsset_scale_f(0_hid_t, status)
+    end program p" KJOINT_HDF5_HAS_ARCHIVES)
+  if(KJOINT_HDF5_HAS_ARCHIVES)
+    target_link_options(${target} PRIVATE -Wl,--as-needed)
+    target_link_libraries(${target} PRIVATE ${ARGN} ${archives})
+  endif()
+endfunction()

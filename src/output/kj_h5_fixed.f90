@@ -1,0 +1,116 @@
+!> Datasets of fixed shape: constants, labels and texts; the conventions are those of kj_h5.
+module kj_h5_fixed
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
+   use hdf5, only: hid_t, size_t, h5dcreate_f, h5dwrite_f, h5sclose_f, h5tclose_f, h5pcreate_f, &
+      h5pclose_f, h5pset_buffer_f, H5P_DATASET_CREATE_F, H5P_DATASET_XFER_F, H5T_NATIVE_DOUBLE
+   use kj_kinds, only: wp
+   use kj_error, only: error_t
+   use kj_history, only: text_t
+   use kj_h5, only: check, start_object, file_type, make_space, utf8_type, c_texts
+   implicit none
+   private
+
+   public :: write_numbers, write_texts, write_text
+
+   !> Where values are converted. The library takes 1 MB and clears it for every dataset, which is a
+   !> third of all work for a small history; here it has room for the values, up to that.
+   integer(size_t), parameter :: LEAST_BUFFER = 1024, MOST_BUFFER = 1024*1024, VALUE_BYTES = 16
+
+contains
+
+   !> Create a dataset of constant numbers and leave it open
+   subroutine write_numbers(parent, name, kind, dims, values, id, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: kind, dims(:)         !! AS_ constant; shape
+      real(wp), contiguous, target, intent(in) :: values(:)   !! (product(dims))
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      id = -1
+      if (allocated(error)) return
+      call create_fixed(parent, name, file_type(kind), H5T_NATIVE_DOUBLE, dims, c_loc(values), id, &
+         error)
+   end subroutine write_numbers
+
+   !> Create a dataset of texts (n) and leave it open
+   subroutine write_texts(parent, name, texts, id, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+      type(text_t), intent(in) :: texts(:)
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(kind=c_char), allocatable, target :: buffer(:)
+      type(c_ptr), allocatable, target :: pointers(:)
+
+      call c_texts(texts, buffer, pointers)
+      call write_pointers(parent, name, pointers, [size(texts)], id, error)
+   end subroutine write_texts
+
+   !> Create a dataset of one text, without dimensions, and leave it open. It may be a large one:
+   !> the only copy is that with a null at its end.
+   subroutine write_text(parent, name, text, id, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name, text
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(kind=c_char, len=:), allocatable, target :: buffer
+      type(c_ptr) :: pointers(1)
+
+      allocate (character(len=len(text) + 1) :: buffer)
+      buffer(:len(text)) = text
+      buffer(len(buffer):) = c_null_char
+      pointers = c_loc(buffer)
+      call write_pointers(parent, name, pointers, [integer ::], id, error)
+   end subroutine write_text
+
+   !> Create a dataset of texts with the given shape, none for a scalar
+   subroutine write_pointers(parent, name, pointers, dims, id, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+      type(c_ptr), contiguous, target, intent(in) :: pointers(:)   !! to texts that end in a null
+      integer, intent(in) :: dims(:)
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: utf8
+      integer :: ignored
+
+      id = -1
+      call utf8_type(utf8, error)
+      call create_fixed(parent, name, utf8, utf8, dims, c_loc(pointers), id, error)
+      if (utf8 > 0) call h5tclose_f(utf8, ignored)
+   end subroutine write_pointers
+
+   !> Create and fill a dataset of fixed shape, none for a scalar
+   subroutine create_fixed(parent, name, stored, memory, dims, values, id, error)
+      integer(hid_t), intent(in) :: parent, stored, memory   !! types in the file and of `values`
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: dims(:)
+      type(c_ptr), intent(in) :: values
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: space, plist, transfer
+      integer :: status, ignored
+
+      id = -1
+      if (allocated(error)) return
+      transfer = -1
+      space = -1
+      call start_object(H5P_DATASET_CREATE_F, plist, status)
+      if (status >= 0) call make_space(dims, space, status)
+      if (status >= 0) call h5dcreate_f(parent, name, stored, space, id, status, plist)
+      if (status >= 0) call h5pcreate_f(H5P_DATASET_XFER_F, transfer, status)
+      if (status >= 0) call h5pset_buffer_f(transfer, max(LEAST_BUFFER, &
+         min(MOST_BUFFER, product(int(dims, size_t))*VALUE_BYTES)), status)
+      if (status >= 0) call h5dwrite_f(id, memory, values, status, xfer_prp=transfer)
+      if (transfer > 0) call h5pclose_f(transfer, ignored)
+      if (space > 0) call h5sclose_f(space, ignored)
+      if (plist > 0) call h5pclose_f(plist, ignored)
+      call check(status, 'write the dataset '//name, error)
+   end subroutine create_fixed
+
+end module kj_h5_fixed
