@@ -17,6 +17,10 @@ function(kjoint_fortran target)
       -Wno-uninitialized -Wno-maybe-uninitialized
       $<$<BOOL:${KJOINT_WERROR}>:-Werror>>)
   endif()
+  if(CMAKE_C_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:C>:
+      -std=c11 -Wall -Wextra -pedantic $<$<BOOL:${KJOINT_WERROR}>:-Werror>>)
+  endif()
   if(KJOINT_MARCH)
     target_compile_options(${target} PRIVATE -march=${KJOINT_MARCH})
   endif()

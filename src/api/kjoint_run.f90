@@ -265,7 +265,8 @@ contains
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: now, row(sim%history%n_value)
+      real(wp), allocatable :: row(:)
+      real(wp) :: now
 
       now = wall_clock()
       status%wall_solve = status%wall_solve + now - clock
@@ -277,6 +278,7 @@ contains
          end if
          call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
       end if
+      allocate (row(sim%history%n_value))
       call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
       if (.not. allocated(error)) call sink%put(row, error)
       clock = wall_clock()

@@ -129,19 +129,19 @@ contains
       real(wp) :: q(4)
 
       real(wp) :: trace
-      integer :: i, j, k
 
       trace = r(1, 1) + r(2, 2) + r(3, 3)
-      i = maxloc([trace, r(1, 1), r(2, 2), r(3, 3)], dim=1) - 1
-      if (i == 0) then
+      if (trace >= max(r(1, 1), r(2, 2), r(3, 3))) then
          q = [1.0_wp + trace, r(3, 2) - r(2, 3), r(1, 3) - r(3, 1), r(2, 1) - r(1, 2)]
+      else if (r(1, 1) >= max(r(2, 2), r(3, 3))) then
+         q = [r(3, 2) - r(2, 3), 1.0_wp + 2.0_wp*r(1, 1) - trace, r(1, 2) + r(2, 1), &
+            r(1, 3) + r(3, 1)]
+      else if (r(2, 2) >= r(3, 3)) then
+         q = [r(1, 3) - r(3, 1), r(1, 2) + r(2, 1), 1.0_wp + 2.0_wp*r(2, 2) - trace, &
+            r(2, 3) + r(3, 2)]
       else
-         j = modulo(i, 3) + 1
-         k = modulo(j, 3) + 1
-         q(1) = r(k, j) - r(j, k)
-         q(1 + i) = 1.0_wp + 2.0_wp*r(i, i) - trace
-         q(1 + j) = r(j, i) + r(i, j)
-         q(1 + k) = r(k, i) + r(i, k)
+         q = [r(2, 1) - r(1, 2), r(1, 3) + r(3, 1), r(2, 3) + r(3, 2), &
+            1.0_wp + 2.0_wp*r(3, 3) - trace]
       end if
       q = q/norm2(q)
       if (q(1) < 0.0_wp) q = -q

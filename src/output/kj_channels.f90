@@ -33,6 +33,7 @@ module kj_channels
 
    !> Type of the dataset
    integer, parameter, public :: AS_F64 = 1, AS_I64 = 2, AS_I32 = 3, AS_I8 = 4
+   integer, parameter, public :: STORED_BYTES(4) = [8, 8, 4, 1]    !! of these
 
    !> One row of the channel table
    type :: channel_t

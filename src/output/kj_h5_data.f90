@@ -1,19 +1,18 @@
 !> Writing HDF5 datasets and their dimension scales; the conventions are those of kj_h5.
 module kj_h5_data
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char
-   use hdf5, only: hid_t, hsize_t, h5dcreate_f, h5dwrite_f, h5dset_extent_f, h5dget_space_f, &
-      h5screate_simple_f, h5sclose_f, h5sselect_hyperslab_f, h5tclose_f, h5pclose_f, &
-      h5pset_chunk_f, h5pset_shuffle_f, h5pset_deflate_f, H5P_DATASET_CREATE_F, H5S_SELECT_SET_F, &
-      H5S_UNLIMITED_F, H5T_NATIVE_DOUBLE
+   use hdf5, only: hid_t, hsize_t, h5dcreate_f, h5dwrite_f, h5screate_simple_f, &
+      h5sclose_f, h5tclose_f, h5pclose_f, h5pset_chunk_f, h5pset_shuffle_f, h5pset_deflate_f, &
+      H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, H5T_NATIVE_DOUBLE
    use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
    use kj_kinds, only: wp
-   use kj_error, only: error_t, str
+   use kj_error, only: error_t
    use kj_history, only: text_t
    use kj_h5, only: check, start_object, file_type, make_space, utf8_type, c_texts
    implicit none
    private
 
-   public :: create_series, write_series, write_numbers, write_texts, write_text
+   public :: create_series, write_numbers, write_texts, write_text
    public :: make_scale, attach_scale
 
    integer, parameter :: DEFLATE_LEVEL = 1
@@ -49,36 +48,6 @@ contains
       if (plist > 0) call h5pclose_f(plist, ignored)
       call check(status, 'create the dataset '//name, error)
    end subroutine create_series
-
-   !> Write rows; the dataset ends with them
-   subroutine write_series(id, dims, first, n, values, error)
-      integer(hid_t), intent(in) :: id
-      integer, intent(in) :: dims(:)               !! of one row, as for create_series
-      integer, intent(in) :: first, n              !! the first row written, from 1; how many
-      real(wp), contiguous, target, intent(in) :: values(:)   !! (product(dims)*n), row after row
-      type(error_t), allocatable, intent(inout) :: error
-
-      integer(hid_t) :: space, memory
-      integer(hsize_t) :: start(size(dims) + 1), extent(size(dims) + 1), block(size(dims) + 1)
-      integer :: status, ignored
-
-      if (allocated(error) .or. n < 1) return
-      space = -1
-      memory = -1
-      start = 0
-      start(size(start)) = first - 1
-      block = [int(dims, hsize_t), int(n, hsize_t)]
-      extent = start + block
-      call h5dset_extent_f(id, extent, status)
-      if (status >= 0) call h5dget_space_f(id, space, status)
-      if (status >= 0) call h5sselect_hyperslab_f(space, H5S_SELECT_SET_F, start, block, status)
-      ! a memory space of the same shape: another one makes the library walk element by element
-      if (status >= 0) call h5screate_simple_f(size(block), block, memory, status)
-      if (status >= 0) call h5dwrite_f(id, H5T_NATIVE_DOUBLE, c_loc(values), status, memory, space)
-      if (space > 0) call h5sclose_f(space, ignored)
-      if (memory > 0) call h5sclose_f(memory, ignored)
-      call check(status, 'write rows from '//str(first), error)
-   end subroutine write_series
 
    !> Create a dataset of constant numbers and leave it open
    subroutine write_numbers(parent, name, kind, dims, values, id, error)

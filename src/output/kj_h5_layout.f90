@@ -8,7 +8,7 @@ module kj_h5_layout
    use kj_utf8, only: as_utf8, is_plain
    use kj_units, only: unit_text
    use kj_channels, only: channels, groups, sampled_at, OF_RUN, OF_JOINT, OF_SPRING, AS_F64, &
-      AS_I32, AS_I8, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
+      AS_I32, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
    use kj_history, only: history_t, variable_t, text_t
    use kj_h5, only: hid_t, create_group, close_object, has_link, link_to, put_text, put_texts, &
       put_number, put_numbers
@@ -19,7 +19,7 @@ module kj_h5_layout
    implicit none
    private
 
-   public :: write_layout, get_row_shape
+   public :: write_layout, get_row_shape, entities_in_chunk
 
    integer, parameter :: MOST_CHUNK_BYTES = 256*1024
 
@@ -183,6 +183,15 @@ contains
       if (over_entities) dims(size(dims)) = variable%n_entity
    end subroutine get_row_shape
 
+   !> Entities of a variable that share a chunk
+   pure integer function entities_in_chunk(variable, n_chunk) result(m)
+      type(variable_t), intent(in) :: variable
+      integer, intent(in) :: n_chunk               !! rows in a chunk
+
+      m = max(1, min(variable%n_entity, MOST_CHUNK_BYTES/ &
+         (n_chunk*variable%n_comp*STORED_BYTES(channels(variable%channel)%kind))))
+   end function entities_in_chunk
+
    !> Create the dataset of one variable over time and leave it open
    subroutine write_variable(scope, history, variable, n_chunk, id, error)
       type(group_scope_t), intent(in) :: scope
@@ -192,7 +201,6 @@ contains
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
 
-      integer, parameter :: BYTES(4) = [8, 8, 4, 1]   !! of the AS_ constants
       integer, allocatable :: dims(:), chunk(:)
       integer(hid_t), allocatable :: scales(:)
       integer :: i, rank
@@ -201,8 +209,7 @@ contains
       rank = size(dims) + 1
       allocate (chunk(rank))
       chunk = [dims, n_chunk]
-      if (rank > 1) chunk(rank - 1) = max(1, min(variable%n_entity, MOST_CHUNK_BYTES/ &
-         (n_chunk*variable%n_comp*BYTES(channels(variable%channel)%kind))))
+      if (rank > 1) chunk(rank - 1) = entities_in_chunk(variable, n_chunk)
       call create_series(scope%group, trim(channels(variable%channel)%name), &
          channels(variable%channel)%kind, dims, chunk, id, error)
       if (variable%channel == CH_TIME) then

@@ -6,39 +6,43 @@ module kj_sample_node
    use kj_state, only: state_t
    use kj_skew, only: axis_of
    use kj_body, only: secondary_velocity
-   use kj_history, only: variable_t
    use kj_channels, only: CH_N_POS, CH_N_DISP, CH_N_VEL, CH_N_ANGVEL, CH_N_ACC, CH_N_ANGACC
    implicit none
    private
 
-   public :: node_value
+   public :: sample_nodes
 
 contains
 
-   !> Value of a node channel; k counts the nodes of the history
-   function node_value(model, state, v, k) result(y)
+   !> A channel of the nodes of the history
+   subroutine sample_nodes(model, state, channel, y)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state
-      type(variable_t), intent(in) :: v
-      integer, intent(in) :: k
-      real(wp) :: y(v%n_comp)
+      integer, intent(in) :: channel
+      real(wp), intent(inout) :: y(:, :)         !! (3, nodes of the history)
 
-      integer :: node, skew, dir
+      real(wp) :: x(3)
+      integer :: k, skew, dir
 
-      node = model%th_node(k)
-      y = 0.0_wp
-      select case (v%channel)
-      case (CH_N_POS); y = state%world%x(node, :)
-      case (CH_N_DISP); y = state%d(node, :)
-      case (CH_N_VEL); y = state%v(node, :)
-      case (CH_N_ANGVEL); y = turning_of(model, state, node)
-      case (CH_N_ACC); y = acceleration_of(model, state, node, 0)
-      case (CH_N_ANGACC); y = acceleration_of(model, state, node, 3)
-      end select
-      skew = model%th_node_skew(k)
-      if (skew == 0 .or. v%channel == CH_N_POS) return
-      y = [(dot_product(y, axis_of(state%world%skew, skew, dir)), dir=1, 3)]
-   end function node_value
+      do k = 1, size(y, 2)
+         associate (node => model%th_node(k))
+            select case (channel)
+            case (CH_N_POS); x = state%world%x(node, :)
+            case (CH_N_DISP); x = state%d(node, :)
+            case (CH_N_VEL); x = state%v(node, :)
+            case (CH_N_ANGVEL); x = turning_of(model, state, node)
+            case (CH_N_ACC); x = acceleration_of(model, state, node, 0)
+            case (CH_N_ANGACC); x = acceleration_of(model, state, node, 3)
+            end select
+         end associate
+         y(:, k) = x
+         skew = model%th_node_skew(k)
+         if (skew == 0 .or. channel == CH_N_POS) cycle
+         do dir = 1, 3
+            y(dir, k) = dot_product(x, axis_of(state%world%skew, skew, dir))
+         end do
+      end do
+   end subroutine sample_nodes
 
    !> Angular velocity of a node; conditions act on a secondary node one cycle later than on its
    !> body

@@ -11,12 +11,12 @@ module kj_sink_h5
    use kj_system, only: rename_file, remove_file, host_name, date_time, wall_clock
    use kj_utf8, only: as_utf8
    use kj_channels, only: AS_F64, AS_I32, AS_I64, CH_TIME
-   use kj_history, only: history_t, variable_t
+   use kj_history, only: history_t
    use kj_sink, only: sink_t
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
       create_group, put_text, put_number
-   use kj_h5_data, only: write_series
-   use kj_h5_layout, only: write_layout, get_row_shape
+   use kj_h5_layout, only: write_layout
+   use kj_h5_chunk, only: packer_t, new_packer, write_rows
    implicit none
    private
 
@@ -26,12 +26,12 @@ module kj_sink_h5
       character(len=:), allocatable :: path           !! of the history
       character(len=:), allocatable :: command_line   !! kept in /run
       logical :: reproducible = .false.               !! equal runs write equal bytes
-      integer :: n_threads = 1                        !! kept in /run
+      integer :: n_threads = 1                        !! that pack chunks; kept in /run
       ! own
       integer(hid_t), private :: file = -1, run = -1           !! /run
-      integer(hid_t), allocatable, private :: series(:)        !! datasets of the variables
-      type(variable_t), allocatable, private :: variable(:)
-      real(wp), allocatable, private :: buffer(:, :)           !! (n_value, rows in a chunk)
+      type(packer_t), private :: packer
+      integer, private :: n_value = 0, n_chunk = 1             !! reals in a row, rows in a chunk
+      real(wp), allocatable, private :: buffer(:, :)           !! (n_value, n_chunk)
       integer, private :: n_written = 0                        !! rows in chunks that are full
       integer, private :: n_held = 0                           !! rows in the buffer
       logical, private :: named = .false.                      !! the file has its final name
@@ -58,7 +58,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       type(error_t), allocatable :: closing
-      integer :: n_chunk
+      integer(hid_t), allocatable :: series(:)
       logical :: folder
 
       if (.not. allocated(self%path)) self%path = ''
@@ -74,18 +74,11 @@ contains
          return
       end if
 
-      n_chunk = MOST_CHUNK_ROWS
-      do while (n_chunk > 1 .and. n_chunk > MOST_BUFFER_BYTES/(8*max(1, history%n_value)))
-         n_chunk = n_chunk/2
-      end do
-      if (history%n_expected > 0) then
-         do while (n_chunk > LEAST_CHUNK_ROWS .and. n_chunk/2 >= history%n_expected)
-            n_chunk = n_chunk/2
-         end do
-      end if
-      if (allocated(self%series)) deallocate (self%series, self%variable, self%buffer)
-      allocate (self%series(size(history%variable)), self%buffer(history%n_value, n_chunk))
-      self%variable = history%variable
+      self%n_value = history%n_value
+      self%n_chunk = rows_in_chunk(history)
+      ! a chunk of one row is written from where it is
+      if (allocated(self%buffer)) deallocate (self%buffer)
+      if (self%n_chunk > 1) allocate (self%buffer(self%n_value, self%n_chunk))
       self%n_written = 0
       self%n_held = 0
       self%named = .false.
@@ -93,13 +86,31 @@ contains
       self%flushed = self%started
       self%last_put = self%started
 
-      call write_layout(self%file, history, n_chunk, self%series, error)
+      allocate (series(size(history%variable)))
+      call write_layout(self%file, history, self%n_chunk, series, error)
+      call new_packer(history%variable, series, &
+         findloc(history%variable%channel, CH_TIME, dim=1), self%n_chunk, self%n_threads, &
+         self%reproducible, self%packer)
       call put_start(self, error)
       if (allocated(error)) then
          call close_file(self%file, closing)
          call remove_file(self%path//GROWING)
       end if
    end subroutine open_h5
+
+   !> Rows in a chunk: as many as the buffer takes, not many more than will come
+   pure integer function rows_in_chunk(history) result(n)
+      type(history_t), intent(in) :: history
+
+      n = MOST_CHUNK_ROWS
+      do while (n > 1 .and. n > MOST_BUFFER_BYTES/(8*max(1, history%n_value)))
+         n = n/2
+      end do
+      if (history%n_expected < 1) return
+      do while (n > LEAST_CHUNK_ROWS .and. n/2 >= history%n_expected)
+         n = n/2
+      end do
+   end function rows_in_chunk
 
    !> Write to /run what is known at the start; reproducible leaves out what differs between runs
    subroutine put_start(self, error)
@@ -133,23 +144,27 @@ contains
          call fail(error, ERR_INTERNAL, 'a row came to a history that is not open')
          return
       end if
-      if (size(row) /= size(self%buffer, 1)) then
+      if (size(row) /= self%n_value) then
          call fail(error, ERR_INTERNAL, 'a row of '//str(size(row))// &
-            ' values came to a history of '//str(size(self%buffer, 1)))
+            ' values came to a history of '//str(self%n_value))
          return
       end if
-      self%n_held = self%n_held + 1
-      self%buffer(:, self%n_held) = row
+      if (self%n_chunk == 1) then
+         call write_row(self, row, error)
+      else
+         self%n_held = self%n_held + 1
+         self%buffer(:, self%n_held) = row
+      end if
 
       if (self%reproducible) then
-         if (self%n_held == size(self%buffer, 2)) call self%flush(error)
+         if (modulo(self%n_held, self%n_chunk) == 0) call self%flush(error)
          return
       end if
       ! flush when the next row, as far away as this one was, would come too late
       now = wall_clock()
       if (2.0_wp*now - self%last_put - self%flushed >= FLUSH_SECONDS) then
          call self%flush(error)
-      else if (self%n_held == size(self%buffer, 2)) then
+      else if (self%n_held == self%n_chunk) then
          call write_held(self, error)
       end if
       self%last_put = now
@@ -173,44 +188,25 @@ contains
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
-      integer :: i, i_time
-
       if (self%n_held == 0) return
-      i_time = 0
-      do i = 1, size(self%variable)
-         if (self%variable(i)%channel == CH_TIME) then
-            i_time = i
-         else
-            call write_held_of(self, i, error)
-         end if
-      end do
-      if (i_time > 0) call write_held_of(self, i_time, error)
+      call write_rows(self%packer, self%n_written, self%n_value, self%n_held, &
+         self%buffer, error)
       if (allocated(error)) error%file = self%path
-      if (self%n_held < size(self%buffer, 2)) return
+      if (self%n_held < self%n_chunk) return
       self%n_written = self%n_written + self%n_held
       self%n_held = 0
    end subroutine write_held
 
-   !> Write what the buffer holds of one variable
-   subroutine write_held_of(self, i, error)
+   !> Write a row that is a chunk
+   subroutine write_row(self, row, error)
       class(sink_h5_t), intent(inout) :: self
-      integer, intent(in) :: i                      !! of self%variable
+      real(wp), intent(in) :: row(:)
       type(error_t), allocatable, intent(inout) :: error
 
-      integer, allocatable :: dims(:)
-      real(wp), allocatable :: values(:)
-      integer :: row, n
-
-      if (self%series(i) < 0) return
-      call get_row_shape(self%variable(i), dims)
-      n = self%variable(i)%n_comp*self%variable(i)%n_entity
-      allocate (values(n*self%n_held))
-      do row = 1, self%n_held
-         values((row - 1)*n + 1:row*n) = &
-            self%buffer(self%variable(i)%first:self%variable(i)%first + n - 1, row)
-      end do
-      call write_series(self%series(i), dims, self%n_written + 1, self%n_held, values, error)
-   end subroutine write_held_of
+      call write_rows(self%packer, self%n_written, self%n_value, 1, row, error)
+      if (allocated(error)) error%file = self%path
+      self%n_written = self%n_written + 1
+   end subroutine write_row
 
    !> Give the file its final name, replacing an older history. Errors: ERR_FILE
    subroutine take_name(self, error)
@@ -246,7 +242,6 @@ contains
       call put_number(self%run, 'exit_code', AS_I32, real(exit_code, wp), error)
       call close_file(self%file, error)
       self%run = -1
-      self%series = -1
       if (self%named) return
       if (allocated(error) .or. (empty .and. exit_code /= 0)) then
          call remove_file(self%path//GROWING)

@@ -297,7 +297,12 @@ contains
       integer, intent(in) :: lead
       real(wp) :: p(3, 3)
 
-      p = reshape(columns(state%poses%quat(lead, :)), [3, 3])
+      real(wp) :: e(9)
+
+      e = columns(state%poses%quat(lead, :))
+      p(:, 1) = e(1:3)
+      p(:, 2) = e(4:6)
+      p(:, 3) = e(7:9)
    end function body_matrix
 
    pure function inertia(c, state, lead) result(j)

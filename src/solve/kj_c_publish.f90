@@ -7,6 +7,8 @@ module kj_c_publish
    use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
    use kj_joint_batch, only: joint_state_t
    use kj_c_batch, only: c_batch_t, c_joint_t, frame_of, CHART_UNIVERSAL
+   use kj_joint_frame, only: BLOCK
+   use kj_c_chart, only: quaternion_frame
    use kj_c_matrix, only: joint_rates
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_body, only: spin_velocity
@@ -18,6 +20,8 @@ module kj_c_publish
    private
 
    public :: publish
+
+   integer, parameter :: NEXT(4) = [2, 3, 1, 2]   !! direction after 1, 2, 3, 4
 
 contains
 
@@ -68,8 +72,7 @@ contains
       type(c_state_t), intent(in) :: cs
       type(state_t), intent(inout) :: state
 
-      real(wp) :: p(3, 3), f(3), t(3), w(3), l(3)
-      integer :: i
+      integer :: from
 
       associate (n => model%n_lead)
          state%world%x(:n, :) = cs%poses%x
@@ -82,23 +85,80 @@ contains
          state%f_own = cs%own_f
          state%m_own = cs%own_t
       end associate
-      do i = 1, model%n_lead
-         f = cs%f(i, :)
-         w = cs%poses%w(i, :)
-         l = cs%l(i, :)
-         t = cs%t(i, :) - cross(w, l)
-         if (c%hold_of(i) > 0) call held_force(c, cs, c%hold_of(i), f, t)
-         state%a(i, :) = c%im(i)*f
-         p = body_matrix(cs, i)
-         state%al(i, :) = matmul(p, c%ii(i, :)*matmul(t, p))
-         if (i > model%n_body) cycle
-         state%p(i, :) = reshape(matmul(p, matmul(transpose(reshape(c%axes0(i, :), [3, 3])), &
-            reshape(model%axes(i, :), [3, 3]))), [9])
+      do from = 1, model%n_lead, BLOCK
+         call publish_block(model, c, cs, from, min(BLOCK, model%n_lead - from + 1), state)
       end do
       state%impulse = cs%impulse
       state%angular_impulse = cs%angular_impulse
       state%rotation_sum = cs%turn
    end subroutine publish_leads
+
+   !> Accelerations and principal axes of n leads from ...
+   subroutine publish_block(model, c, cs, from, n, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: cs
+      integer, intent(in) :: from, n
+      type(state_t), intent(inout) :: state
+
+      real(wp) :: q(BLOCK, 4), p(BLOCK, 9), f(BLOCK, 3), t(BLOCK, 3), l(BLOCK, 3), held(3, 2)
+      integer :: i, k, to
+
+      to = from + n - 1
+      q(:n, :) = cs%poses%quat(from:to, :)
+      call quaternion_frame(n, q, p)
+      f(:n, :) = cs%f(from:to, :)
+      l(:n, :) = cs%l(from:to, :)
+      associate (w => cs%poses%w(from:to, :))
+         do k = 1, 3
+            t(:n, k) = cs%t(from:to, k) - (w(:, NEXT(k))*l(:n, NEXT(k + 1)) - &
+               w(:, NEXT(k + 1))*l(:n, NEXT(k)))
+         end do
+      end associate
+      do i = 1, n
+         if (c%hold_of(from + i - 1) == 0) cycle
+         held(:, 1) = f(i, :)
+         held(:, 2) = t(i, :)
+         call held_force(c, cs, c%hold_of(from + i - 1), held(:, 1), held(:, 2))
+         f(i, :) = held(:, 1)
+         t(i, :) = held(:, 2)
+      end do
+      do k = 1, 3
+         state%a(from:to, k) = c%im(from:to)*f(:n, k)
+         l(:n, k) = c%ii(from:to, k)*(t(:n, 1)*p(:n, 3*k - 2) + t(:n, 2)*p(:n, 3*k - 1) + &
+            t(:n, 3)*p(:n, 3*k))
+      end do
+      do k = 1, 3
+         state%al(from:to, k) = p(:n, k)*l(:n, 1) + p(:n, k + 3)*l(:n, 2) + p(:n, k + 6)*l(:n, 3)
+      end do
+      call turn_axes(min(n, model%n_body - from + 1), p, c%axes0(from:, :), model%axes(from:, :), &
+         state%p(from:, :))
+   end subroutine publish_block
+
+   !> Principal axes from those at the start: p axes0^T axes
+   pure subroutine turn_axes(n, p, axes0, axes, now)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: p(BLOCK, 9)        !! body axes now, W
+      real(wp), intent(in) :: axes0(:, :)        !! (n, 9) body axes at the start, W
+      real(wp), intent(in) :: axes(:, :)         !! (n, 9) principal axes at the start, W
+      real(wp), intent(inout) :: now(:, :)       !! (n, 9) principal axes now, W
+
+      real(wp) :: m(3)
+      integer :: i, k, col
+
+      do col = 0, 6, 3
+         !$omp simd private(m, k)
+         do i = 1, n
+            do k = 1, 3
+               m(k) = axes0(i, 3*k - 2)*axes(i, col + 1) + axes0(i, 3*k - 1)*axes(i, col + 2) + &
+                  axes0(i, 3*k)*axes(i, col + 3)
+            end do
+            do k = 1, 3
+               now(i, col + k) = p(i, k)*m(1) + p(i, k + 3)*m(2) + p(i, k + 6)*m(3)
+            end do
+         end do
+      end do
+   end subroutine turn_axes
 
    !> Secondary nodes of the history and of its skews from the poses
    subroutine publish_nodes(model, c, cs, state)
@@ -166,17 +226,19 @@ contains
             if (c%batch(b)%limited) call publish_limits(c%batch(b), joint, out)
             out%energy = joint%elastic + joint%dissipated
             call joint_rates(c%batch(b), cs%poses, joint, out%qdot)
-            do j = 1, c%batch(b)%n
-               out%e(j, :) = frame_of(c%batch(b), joint, j)
-               if (c%batch(b)%plain(j)) call show_in_mean_frame(out%e(j, :), out%q(j, :), &
-                  out%f(j, 1:3), &
-                  out%qdot(j, 1:3))
-               if (c%batch(b)%shifted) out%q(j, 4:6) = out%q(j, 4:6) + c%batch(b)%shift(j, :)
-               state%ortho(c%batch(b)%first + j) = 0.0_wp
-               if (c%batch(b)%chart == CHART_UNIVERSAL) &
-                  state%ortho(c%batch(b)%first + j) = abs(asin(max(-1.0_wp, &
-                     min(1.0_wp, dot_product(out%e(j, 4:6), out%e(j, 7:9))))))
-            end do
+            if (c%batch(b)%chart == CHART_UNIVERSAL) then
+               do j = 1, c%batch(b)%n
+                  out%e(j, :) = frame_of(c%batch(b), joint, j)
+               end do
+            else
+               call copy_frames(joint, out%e)
+            end if
+            call show_in_mean_frame(c%batch(b)%plain, out%e, out%q, out%f, out%qdot)
+            if (c%batch(b)%shifted) out%q(:, 4:6) = out%q(:, 4:6) + c%batch(b)%shift
+            associate (ortho => state%ortho(c%batch(b)%first + 1:c%batch(b)%first + c%batch(b)%n))
+               ortho = 0.0_wp
+               if (c%batch(b)%chart == CHART_UNIVERSAL) ortho = skewness(out%e)
+            end associate
          end associate
       end do
       call add_looseness(model, c, cs, state)
@@ -198,18 +260,70 @@ contains
       out%flag = joint%flag
    end subroutine publish_limits
 
-   !> Components of a joint that needs no frame, from the frame of body 1 to the mean frame
-   pure subroutine show_in_mean_frame(e, q, f, rate)
-      real(wp), intent(inout) :: e(9), q(6), f(3), rate(3)
+   !> Frames of joints that are no universal ones: the axes of their translations
+   pure subroutine copy_frames(joint, e)
+      type(c_joint_t), intent(in) :: joint
+      real(wp), intent(inout) :: e(:, :)         !! (n, 9)
 
-      real(wp) :: half(3, 3)
+      integer :: from, n, k
 
-      half = rotation(0.5_wp*q(4:6))
-      e = reshape(matmul(reshape(e, [3, 3]), half), [9])
-      q(1:3) = matmul(q(1:3), half)
-      f = matmul(f, half)
-      rate = matmul(rate, half)
+      do from = 1, size(e, 1), BLOCK
+         n = min(BLOCK, size(e, 1) - from + 1)
+         do k = 1, 9
+            e(from:from + n - 1, k) = joint%b(:n, k, (from - 1)/BLOCK + 1)
+         end do
+      end do
+   end subroutine copy_frames
+
+   !> Angle by which the second and third axis miss a right angle [rad]
+   pure function skewness(e) result(angle)
+      real(wp), intent(in) :: e(:, :)            !! (n, 9)
+      real(wp) :: angle(size(e, 1))
+
+      integer :: j
+
+      do j = 1, size(angle)
+         angle(j) = abs(asin(max(-1.0_wp, min(1.0_wp, dot_product(e(j, 4:6), e(j, 7:9))))))
+      end do
+   end function skewness
+
+   !> Components of joints that need no frame, from the frame of body 1 to the mean frame
+   pure subroutine show_in_mean_frame(plain, e, q, f, rate)
+      logical, intent(in) :: plain(:)            !! those joints
+      real(wp), intent(inout) :: e(:, :), q(:, :), f(:, :), rate(:, :)   !! (n, 9), (n, 6)
+
+      real(wp) :: half(3, 3), axes(3, 3), turn(3)
+      integer :: j, k
+
+      do j = 1, size(plain)
+         if (.not. plain(j)) cycle
+         turn = 0.5_wp*q(j, 4:6)
+         half = rotation(turn)
+         do k = 1, 3
+            axes(:, k) = e(j, 3*k - 2:3*k)
+         end do
+         axes = matmul(axes, half)
+         do k = 1, 3
+            e(j, 3*k - 2:3*k) = axes(:, k)
+         end do
+         call turn_row(half, q(j, 1), q(j, 2), q(j, 3))
+         call turn_row(half, f(j, 1), f(j, 2), f(j, 3))
+         call turn_row(half, rate(j, 1), rate(j, 2), rate(j, 3))
+      end do
    end subroutine show_in_mean_frame
+
+   !> x = x r, a row vector
+   pure subroutine turn_row(r, x1, x2, x3)
+      real(wp), intent(in) :: r(3, 3)
+      real(wp), intent(inout) :: x1, x2, x3
+
+      real(wp) :: y(3)
+
+      y = x1*r(1, :) + x2*r(2, :) + x3*r(3, :)
+      x1 = y(1)
+      x2 = y(2)
+      x3 = y(3)
+   end subroutine turn_row
 
    !> The largest loss of orthogonality of all samples, and whose it is
    subroutine note_loosest(model, state)

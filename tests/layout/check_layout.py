@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import warnings
+import zlib
 
 import h5py
 import numpy as np
@@ -64,6 +65,7 @@ class Checker:
             self.check_attributes(file, "/")
             self.check_root(file)
             self.check_links(file, "")
+            self.check_chunks(file)
             for name in ENTITY:
                 if name in file:
                     self.check_entities(file, file[name], name)
@@ -113,6 +115,29 @@ class Checker:
                 self.check_type(item.dtype, item.id.get_type(), path)
                 self.expect(item.id.get_space().get_simple_extent_type() != h5py.h5s.NULL, path,
                             "has a null dataspace")
+
+    def check_chunks(self, file):
+        """Every chunk holds the very bytes that the filters of HDF5 would have put there."""
+        series = []
+        file.visititems(lambda path, item: series.append(path) if isinstance(item, h5py.Dataset)
+                        and item.chunks is not None and item.maxshape[0] is None else None)
+        with h5py.File("by_filters", "w", driver="core", backing_store=False) as other:
+            for path in series:
+                mine = file[path]
+                plist = mine.id.get_create_plist()
+                filters = [plist.get_filter(i)[0] for i in range(plist.get_nfilters())]
+                self.expect(filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE], path,
+                            "is not shuffled and deflated")
+                theirs = other.create_dataset(path, data=mine[()], maxshape=mine.maxshape,
+                                              chunks=mine.chunks, shuffle=True,
+                                              compression="gzip", compression_opts=1)
+                n = theirs.id.get_num_chunks()
+                self.expect(mine.id.get_num_chunks() == n, path, "has not every chunk")
+                for i in range(n):
+                    offset = theirs.id.get_chunk_info(i).chunk_offset
+                    bytes_of = [zlib.decompress(d.id.read_direct_chunk(offset)[1])
+                                for d in (mine, theirs)]
+                    self.expect(bytes_of[0] == bytes_of[1], path, f"other bytes in chunk {offset}")
 
     def check_type(self, dtype, stored, path):
         """Plain numbers and variable-length UTF-8 strings only."""
