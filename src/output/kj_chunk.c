@@ -98,16 +98,29 @@ static int is_noise(size_t plane, size_t row, const unsigned char *p)
    return equal < n/16;
 }
 
-/* Deflate to the end of a stream without header; 0 when it fails */
-static size_t deflate_rest(int exact, size_t n, unsigned char *in, size_t room,
-   unsigned char *out, unsigned char *work)
+/* Deflate by zlib to the end of a stream without header; 0 when it fails */
+static size_t deflate_exactly(size_t n, unsigned char *in, size_t room, unsigned char *out)
 {
    z_stream s = {0};
    size_t made = 0;
+
+   if (deflateInit2(&s, 1, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) return 0;
+   s.next_in = in;
+   s.avail_in = (uInt)n;
+   s.next_out = out;
+   s.avail_out = (uInt)room;
+   if (deflate(&s, Z_FINISH) == Z_STREAM_END) made = s.total_out;
+   deflateEnd(&s);
+   return made;
+}
+
 #ifdef KJOINT_ISAL
+/* The same by ISA-L, with `work` to work in */
+static size_t deflate_fast(size_t n, unsigned char *in, size_t room, unsigned char *out,
+   unsigned char *work)
+{
    struct isal_zstream *z = (struct isal_zstream *)(((uintptr_t)work + SLACK - 64 + 63)/64*64);
 
-   if (exact) goto zlib;
    isal_deflate_stateless_init(z);
    z->level = 1;
    z->level_buf = (uint8_t *)(z + 1);
@@ -119,19 +132,8 @@ static size_t deflate_rest(int exact, size_t n, unsigned char *in, size_t room,
    z->next_out = out;
    z->avail_out = (uint32_t)room;
    return isal_deflate_stateless(z) == COMP_OK ? z->total_out : 0;
-zlib:
-#endif
-   (void)work;
-   (void)exact;
-   if (deflateInit2(&s, 1, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) return 0;
-   s.next_in = in;
-   s.avail_in = (uInt)n;
-   s.next_out = out;
-   s.avail_out = (uInt)room;
-   if (deflate(&s, Z_FINISH) == Z_STREAM_END) made = s.total_out;
-   deflateEnd(&s);
-   return made;
 }
+#endif
 
 static uint32_t checksum(size_t n, const unsigned char *p)
 {
@@ -142,15 +144,17 @@ static uint32_t checksum(size_t n, const unsigned char *p)
 #endif
 }
 
-/* Pack a chunk of `rows_full` rows of `n_full` values of `size` bytes (real: 8 bytes as they are).
-   exact: equal rows are equal bytes. Given are `rows` rows of `n` values, each `stride` after the one before; the others are 0.
+/* Pack a chunk of `rows_full` rows of `n_full` values of `size` bytes (real: 8 bytes as they are;
+   exact: equal rows are equal bytes). Given are `rows` rows of `n` values, each `stride` after the
+   one before; the others are 0.
    work: kj_chunk_work bytes, packed: kj_chunk_bound bytes. Returns the bytes packed, 0 on failure. */
-size_t kj_pack_chunk(int exact, int real, int size, size_t n, size_t n_full, size_t rows, size_t rows_full,
-   const double *values, size_t stride, unsigned char *work, unsigned char *packed)
+size_t kj_pack_chunk(int exact, int real, int size, size_t n, size_t n_full, size_t rows,
+   size_t rows_full, const double *values, size_t stride, unsigned char *work,
+   unsigned char *packed)
 {
    const size_t plane = n_full*rows_full, bytes = plane*(size_t)size;
    unsigned char *in = work, *out = packed;
-   size_t row, left, made;
+   size_t row, left, made, room;
    uint32_t sum;
    int k = 0;
 
@@ -175,8 +179,15 @@ size_t kj_pack_chunk(int exact, int real, int size, size_t n, size_t n_full, siz
       in += made;
       out += made;
    }
-   made = deflate_rest(exact, bytes - k*plane, in, kj_chunk_bound(bytes) - (size_t)(out - packed) - 4, out,
-      work + bytes);
+   left = bytes - k*plane;
+   room = kj_chunk_bound(bytes) - (size_t)(out - packed) - 4;
+   made = 0;
+#ifdef KJOINT_ISAL
+   if (!exact) made = deflate_fast(left, in, room, out, work + bytes);
+#else
+   (void)exact;
+#endif
+   if (made == 0) made = deflate_exactly(left, in, room, out);
    if (made == 0) return 0;
    out += made;
    sum = checksum(bytes, work);
