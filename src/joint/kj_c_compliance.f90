@@ -127,13 +127,16 @@ contains
       real(wp), intent(out) :: lambda(BLOCK)
 
       integer, parameter :: SQUARINGS = 7
-      real(wp) :: a(BLOCK, 21), root(BLOCK, 6), trace(BLOCK), inverse(BLOCK)
+      real(wp) :: a(BLOCK, 21), root(BLOCK, 6), trace(BLOCK), inverse(BLOCK), scale(BLOCK)
       integer :: i, l, m, at, power
 
+      ! over the largest k: the trace of very stiff joints is no number any more
+      scale(:n) = sqrt(maxval(k(:n, :), dim=2))
+      inverse(:n) = 1.0_wp/max(scale(:n), tiny(1.0_wp))
       trace(:n) = 0.0_wp
       do l = 1, 6
-         root(:n, l) = sqrt(k(:n, l))
-         trace(:n) = trace(:n) + k(:n, l)*s(:n, l*(l + 1)/2)
+         root(:n, l) = sqrt(k(:n, l))*inverse(:n)
+         trace(:n) = trace(:n) + root(:n, l)**2*s(:n, l*(l + 1)/2)
       end do
       inverse(:n) = 1.0_wp/max(trace(:n), tiny(1.0_wp))
       do l = 1, 6
@@ -158,7 +161,7 @@ contains
       do power = 0, SQUARINGS
          lambda(:n) = sqrt(lambda(:n))
       end do
-      lambda(:n) = lambda(:n)*trace(:n)
+      lambda(:n) = lambda(:n)*trace(:n)*scale(:n)*scale(:n)
    end subroutine eigenvalues_from_above
 
    !> A := A A for symmetric matrices of order 6, lower triangles by rows
