@@ -158,7 +158,8 @@ contains
    end subroutine find_limits
 
    !> A bound renewed where nothing has moved: never longer, and shorter by 1 - 6^(-1/512) at most
-   !> (Runge-Kutta: at most twice that, stiffness and damping each have their share)
+   !> (Runge-Kutta: at most twice that, stiffness and damping each have their share); 0 where the
+   !> eigenvalue is no number
    subroutine renew_in_place(c, state, bound)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
@@ -171,7 +172,8 @@ contains
       first = bound%limit
       call renew_bound(c, state, bound)
       if (any(bound%limit > (1.0_wp + ROUNDING)*first) .or. &
-         any(bound%limit < (6.0_wp**(-1.0_wp/256.0_wp) - ROUNDING)*first)) then
+         any(bound%limit < (6.0_wp**(-1.0_wp/256.0_wp) - ROUNDING)*first .and. &
+         bound%limit > 0.0_wp)) then
          print '(2es24.16)', (first(i), bound%limit(i), i=1, size(first))
          error stop 'a renewed bound differs from the first'
       end if
