@@ -130,13 +130,17 @@ contains
       real(wp) :: a(BLOCK, 21), root(BLOCK, 6), trace(BLOCK), inverse(BLOCK), scale(BLOCK)
       integer :: i, l, m, at, power
 
-      ! over the largest k: the trace of very stiff joints is no number any more
-      scale(:n) = sqrt(maxval(k(:n, :), dim=2))
+      ! over the largest k s: the trace of very stiff joints is no number any more
+      scale(:n) = 0.0_wp
+      do l = 1, 6
+         root(:n, l) = sqrt(k(:n, l))
+         scale(:n) = max(scale(:n), root(:n, l)*sqrt(max(0.0_wp, s(:n, l*(l + 1)/2))))
+      end do
       inverse(:n) = 1.0_wp/max(scale(:n), tiny(1.0_wp))
       trace(:n) = 0.0_wp
       do l = 1, 6
-         root(:n, l) = sqrt(k(:n, l))*inverse(:n)
-         trace(:n) = trace(:n) + root(:n, l)**2*s(:n, l*(l + 1)/2)
+         root(:n, l) = root(:n, l)*inverse(:n)
+         trace(:n) = trace(:n) + (root(:n, l)*s(:n, l*(l + 1)/2))*root(:n, l)
       end do
       inverse(:n) = 1.0_wp/max(trace(:n), tiny(1.0_wp))
       do l = 1, 6
@@ -144,7 +148,7 @@ contains
             at = l*(l - 1)/2 + m
             !$omp simd
             do i = 1, n
-               a(i, at) = (root(i, l)*s(i, at)*root(i, m))*inverse(i)
+               a(i, at) = (root(i, l)*s(i, at))*root(i, m)*inverse(i)
             end do
          end do
       end do
