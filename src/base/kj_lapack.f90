@@ -69,7 +69,7 @@ contains
       if (ok) x = b(:, 1)
    end subroutine solve_dense
 
-   !> Largest eigenvalue of a symmetric matrix; a is destroyed. Negative when LAPACK fails.
+   !> Largest eigenvalue of a symmetric matrix; a is destroyed. huge when it is no finite number.
    subroutine largest_eigenvalue(n, a, value)
       integer, intent(in) :: n
       real(wp), intent(inout) :: a(n, n)
@@ -78,9 +78,10 @@ contains
       real(wp) :: w(n), work(34*n)
       integer :: info
 
+      value = huge(1.0_wp)
+      if (.not. all(abs(a) <= huge(1.0_wp))) return
       call dsyev('N', 'U', n, a, n, w, work, size(work), info)
-      value = w(n)
-      if (info /= 0) value = -1.0_wp
+      if (info == 0 .and. abs(w(n)) <= huge(1.0_wp)) value = w(n)
    end subroutine largest_eigenvalue
 
 end module kj_lapack

@@ -22,7 +22,7 @@ module kj_message_own
       'Radioss would cut 1.7 to 1.', &
       'Write an integer; look whether the card slipped by a field.'), &
    message_t('KJ-9005', SEV_ERROR, 'not a finite number', &
-      'The number is infinite, not a number, or too large for a real.', &
+      'The number is infinite, not a number, or too large for a real in work units.', &
       'Correct the number.'), &
    message_t('KJ-9006', SEV_ERROR, 'an integer is too large', &
       'Integers end at 2147483647.', &

@@ -16,8 +16,8 @@ module kj_message_starter2
       'A part is asked for in two /TH/PART blocks.', &
       'Remove it from one.'), &
    message_t('KJ-0573', SEV_ERROR, 'a unit is not understood', &
-      'A unit of /BEGIN or /UNIT is a prefix and g, m or s, or the SI value of the unit. '// &
-      'A deck without /BEGIN has no units.', &
+      'A unit of /BEGIN or /UNIT is a prefix and g, m or s, or the SI value of the unit, '// &
+      '1e-30 to 1e30. A deck without /BEGIN has no units.', &
       'For example kg, m, s or Mg, mm, s.'), &
    message_t('KJ-0574', SEV_ERROR, 'the deck has no units', &
       'Both triples of /BEGIN are blank.', &

@@ -189,13 +189,12 @@ contains
          call read_integer_at(deck, line, first, last, cards%name(k), fields(row)%meaning, &
             cards%integer_value(k), findings)
       case ('r')
-         call read_real_at(deck, line, first, last, cards%name(k), fields(row)%meaning, &
-            cards%real_value(k), findings)
          dim = fields(row)%dim
          if (len(dof) > 0) then
             if (dof(1:1) == 'r') dim = rotational(dim)
          end if
-         cards%real_value(k) = cards%real_value(k)*factor(dim)
+         call read_real_at(deck, line, first, last, cards%name(k), fields(row)%meaning, &
+            factor(dim), cards%real_value(k), findings)
       case default
          offset = deck%line_first(line) - 1
          source = deck%line_source(line)

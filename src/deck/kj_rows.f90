@@ -6,7 +6,8 @@ module kj_rows
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, SEV_WARNING
    use kj_units, only: dimensions
-   use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, &
+      NUMBER_NOT_FINITE
    use kj_field, only: EACH, ROWS
    use kj_fields, only: fields
    use kj_deck_data, only: deck_t, add_deck_finding, block_factors, title_line, line_text
@@ -120,7 +121,9 @@ contains
             call parse_integer(text(layout%first(k):last), ints(i, layout%place(k)), status)
          case (2)
             call parse_real(text(layout%first(k):last), value, status)
-            reals(i, layout%place(k)) = value*layout%factor(k)
+            value = value*layout%factor(k)
+            if (.not. abs(value) <= huge(value)) status = NUMBER_NOT_FINITE
+            reals(i, layout%place(k)) = value
          case default
             cycle
          end select
@@ -154,8 +157,7 @@ contains
                   rows%ints(i, layout%place(k)), findings)
             case (2)
                call read_real_at(deck, line, cut%first(k), cut%last(k), f%name, f%meaning, &
-                  rows%reals(i, layout%place(k)), findings)
-               rows%reals(i, layout%place(k)) = rows%reals(i, layout%place(k))*layout%factor(k)
+                  layout%factor(k), rows%reals(i, layout%place(k)), findings)
             end select
          end associate
       end do

@@ -43,12 +43,16 @@ module kj_unit_codes
       prefix_t('Z',  'Z',  1e21_wp,  1e18_wp),  &
       prefix_t('Y',  'Y',  1e24_wp,  1e21_wp)]
 
+   !> SI values beyond make factors and products of them that no real holds
+   real(wp), parameter :: LEAST = 1.0e-30_wp, MOST = 1.0e30_wp
+
    character(len=1), parameter :: BASE(3) = ['g', 'm', 's']
    character(len=2), parameter :: SI_SYMBOL(3) = ['kg', 'm ', 's ']
 
 contains
 
-   !> SI value and UDUNITS symbol of a unit; found = .false. when the text is none
+   !> SI value and UDUNITS symbol of a unit; found = .false. when the text is none, or a number
+   !> beyond 1e-30 to 1e30
    !>
    !> 'Mg' and '1000.' are the tonne. A number that no code stands for keeps its value in the
    !> symbol: '(0.3048 m)'.
@@ -64,7 +68,7 @@ contains
 
       symbol = SI_SYMBOL(kind)
       call parse_real(text, si, status)
-      found = status == NUMBER_FINE .and. si > 0.0_wp
+      found = status == NUMBER_FINE .and. si >= LEAST .and. si <= MOST
       do i = 1, size(prefixes)
          value = merge(prefixes(i)%of_gram, prefixes(i)%value, kind == UNIT_MASS)
          if (found) then

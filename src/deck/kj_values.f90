@@ -35,12 +35,13 @@ contains
          findings)
    end subroutine read_integer_at
 
-   !> Real in columns [first, last] of a line; 0 when they are blank or wrong
-   subroutine read_real_at(deck, line, first, last, name, meaning, value, findings)
+   !> Real in columns [first, last] of a line, times its unit; 0 when they are blank or wrong
+   subroutine read_real_at(deck, line, first, last, name, meaning, factor, value, findings)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: line               !! index in deck
       integer, intent(in) :: first, last        !! columns; last < first: blank
       character(len=*), intent(in) :: name, meaning   !! of the field, for the finding
+      real(wp), intent(in) :: factor            !! input units / work units
       real(wp), intent(out) :: value
       type(finding_list_t), intent(inout) :: findings
 
@@ -51,7 +52,10 @@ contains
       source = deck%line_source(line)
       offset = deck%line_first(line) - 1
       call parse_real(deck%source(source)%text(offset + first:offset + last), value, status)
+      value = value*factor
+      if (status == NUMBER_FINE .and. .not. abs(value) <= huge(value)) status = NUMBER_NOT_FINITE
       if (status == NUMBER_FINE .or. status == NUMBER_BLANK) return
+      value = 0.0_wp
       call report_number(deck, line, first, last, trim(name), trim(meaning), 'a real number', &
          status, findings)
    end subroutine read_real_at
@@ -81,7 +85,7 @@ contains
       case (NUMBER_FRACTION)
          call say(SEV_ERROR, 'KJ-9004', name//' is an integer, but has a fraction')
       case (NUMBER_NOT_FINITE)
-         call say(SEV_ERROR, 'KJ-9005', name//' is not a finite number')
+         call say(SEV_ERROR, 'KJ-9005', name//' is not a finite number in work units')
       case (NUMBER_TOO_LARGE)
          call say(SEV_ERROR, 'KJ-9006', name//' is larger than '//str(huge(status)))
       case (NUMBER_WHOLE_REAL)

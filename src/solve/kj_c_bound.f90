@@ -172,12 +172,13 @@ contains
       end associate
    end subroutine eigenvalues_of_piece
 
-   !> Eigenvalue that limits Runge-Kutta of fourth order when damping has one too
+   !> Eigenvalue that limits Runge-Kutta of fourth order when damping has one too, NaN when that
+   !> is none
    elemental real(wp) function explicit(stiffness, damping) result(lambda)
       real(wp), intent(in) :: stiffness, damping
 
       lambda = stiffness
-      if (damping > 0.0_wp) &
+      if (.not. damping <= 0.0_wp) &
          lambda = ((0.5_wp*damping + sqrt((0.5_wp*damping)**2 + stiffness))*2.0_wp/RK4_RADIUS)**2
    end function explicit
 
@@ -289,12 +290,14 @@ contains
       end do
    end subroutine keep_pose
 
+   !> The limits that eigenvalues set; one that is no finite number counts as the largest there is
    subroutine take(bound, lambda)
       type(bound_t), intent(inout) :: bound
-      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: lambda(:)       !! (n_element)
 
       integer :: j
 
+      where (.not. lambda <= huge(1.0_wp)) lambda = huge(1.0_wp)
       bound%limit = huge(1.0_wp)
       where (lambda > 0.0_wp) bound%limit = 2.0_wp/sqrt(lambda)
       bound%h = huge(1.0_wp)

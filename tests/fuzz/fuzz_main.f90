@@ -158,14 +158,14 @@ contains
    end subroutine find_limits
 
    !> A bound renewed where nothing has moved: never longer, and shorter by 1 - 6^(-1/512) at most
-   !> (Runge-Kutta: at most twice that, stiffness and damping each have their share); 0 where the
-   !> eigenvalue is no number
+   !> (Runge-Kutta: at most twice that, stiffness and damping each have their share); or as
+   !> short as a step of the largest real can be, where the eigenvalue is no number
    subroutine renew_in_place(c, state, bound)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
       type(bound_t), intent(inout) :: bound
 
-      real(wp), parameter :: ROUNDING = 1.0e-9_wp
+      real(wp), parameter :: ROUNDING = 1.0e-9_wp, SHORTEST = 2.1_wp/sqrt(huge(1.0_wp))
       real(wp) :: first(size(bound%limit))
       integer :: i
 
@@ -173,7 +173,7 @@ contains
       call renew_bound(c, state, bound)
       if (any(bound%limit > (1.0_wp + ROUNDING)*first) .or. &
          any(bound%limit < (6.0_wp**(-1.0_wp/256.0_wp) - ROUNDING)*first .and. &
-         bound%limit > 0.0_wp)) then
+         bound%limit > SHORTEST)) then
          print '(2es24.16)', (first(i), bound%limit(i), i=1, size(first))
          error stop 'a renewed bound differs from the first'
       end if
