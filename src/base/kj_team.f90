@@ -10,6 +10,7 @@ module kj_team
 
    integer, parameter, public :: GRAIN = 128      !! cuts lie at its multiples: whole blocks
    integer, parameter :: PIECES = 4               !! for each thread
+   integer, parameter :: MOST_LEADS = 4*GRAIN     !! in a piece: stages that follow find them cached
 
    !> The pieces
    type :: team_t
@@ -44,7 +45,7 @@ contains
             team%joint(:, k) = [b, from, min(from + length - 1, n_joint(b))]
          end do
       end do
-      length = piece_length(n_lead, team%threads)
+      length = min(MOST_LEADS, piece_length(n_lead, team%threads))
       n = (n_lead + length - 1)/length
       allocate (team%lead(2, n))
       do k = 1, n

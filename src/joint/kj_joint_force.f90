@@ -141,7 +141,6 @@ contains
       case (FRAME_MEAN)
          e(:n, :) = state%e(from:from + n - 1, :)
          call turn_frames(n, a, e)
-         dual(:n, :) = e(:n, :)
       case (FRAME_CROSS)
          if (batch%kind == KJOINT2) then
             call turn_own_axes(batch, world, h, from, n, state, a, b)
@@ -154,16 +153,19 @@ contains
          call cross_frames(n, a, b, e, dual)
       case (FRAME_LINE)
          call line_axes(n, r, e)
-         dual(:n, :) = e(:n, :)
       case default   ! FRAME_FIRST, and the other skews of springs
          do k = 1, 9
             e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
          end do
-         dual(:n, :) = e(:n, :)
       end select
       state%e(from:from + n - 1, :) = e(:n, :)
-      call to_local(n, dual, r, xl)
-      call to_local(n, dual, dw, turn)
+      if (batch%frame == FRAME_CROSS) then
+         call to_local(n, dual, r, xl)
+         call to_local(n, dual, dw, turn)
+      else
+         call to_local(n, e, r, xl)
+         call to_local(n, e, dw, turn)
+      end if
    end subroutine move_frames
 
    !> Axes of universal KJOINT2, which turn with their bodies by themselves

@@ -47,7 +47,16 @@ contains
          end do
       case (CH_B_IMPULSE); call take(state%impulse, roster, y)
       case (CH_B_ANGIMP); call take(state%angular_impulse, roster, y)
-      case (CH_B_ROTSUM); call take(state%rotation_sum, roster, y)
+      case (CH_B_ROTSUM)
+         call take(state%rotation_sum, roster, y)
+         if (state%staggered) then     ! this cycle's share is not there yet
+            do i = 1, size(roster%place)
+               associate (body => roster%place(i))
+                  y(:, roster%entity(i)) = y(:, roster%entity(i)) + &
+                     state%h2*state%world%w(body, :)
+               end associate
+            end do
+         end if
       case (CH_B_ORIENT); call orientations(model, state, roster, last, y)
       case (CH_B_KE); call kinetic_energies(state, roster, y)
       end select

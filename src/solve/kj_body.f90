@@ -6,7 +6,7 @@ module kj_body
    use kj_math3, only: cross, rotation
    use kj_lapack, only: solve_dense
    use kj_model, only: model_t
-   use kj_state, only: state_t
+   use kj_state, only: state_t, crew_t
    use kj_skew, only: axis_of
    use kj_joint_frame, only: BLOCK, turn_frames, to_local, to_world
    implicit none
@@ -21,9 +21,10 @@ contains
    !> Turn the principal axes by h1 w and solve the Euler equations of bodies lo..hi.
    !>
    !> al = P I^-1 (P^T m - w_l x I w_l), w at t - h1/2
-   subroutine turn_bodies(state, lo, hi)
-      type(state_t), intent(inout) :: state
+   subroutine turn_bodies(loaded, lo, hi, state)
+      logical, intent(in) :: loaded              !! moments act on the bodies themselves
       integer, intent(in) :: lo, hi
+      type(state_t), intent(inout) :: state
 
       real(wp), dimension(BLOCK, 3) :: phi, w, m, wl, ml, al
       real(wp) :: p(BLOCK, 9)
@@ -36,7 +37,8 @@ contains
             state%principal(from:to, k) = max(state%principal(from:to, k), state%inertia(from:to))
             w(:n, k) = state%world%w(from:to, k)
             phi(:n, k) = state%h1*w(:n, k)
-            m(:n, k) = state%m(from:to, k) + state%m_own(from:to, k)
+            m(:n, k) = state%m(from:to, k)
+            if (loaded) m(:n, k) = m(:n, k) + state%m_own(from:to, k)
          end do
          p(:n, :) = state%p(from:to, :)
          call turn_frames(n, phi, p)
@@ -90,43 +92,73 @@ contains
    end subroutine solve_conditioned
 
    !> a = f/m and, for free nodes, al = m/I, of leads lo..hi; zero where there is no mass or inertia
-   subroutine linear_accelerations(model, lo, hi, state)
+   pure subroutine linear_accelerations(model, loaded, lo, hi, state)
       type(model_t), intent(in) :: model
+      logical, intent(in) :: loaded              !! forces act on the leads themselves
       integer, intent(in) :: lo, hi
       type(state_t), intent(inout) :: state
 
-      integer :: i, k
+      integer :: first, k
 
+      first = max(lo, model%n_body + 1)
       do k = 1, 3
-         do i = lo, hi
-            state%a(i, k) = 0.0_wp
-            if (state%mass(i) > 0.0_wp) &
-               state%a(i, k) = (state%f(i, k) + state%f_own(i, k))/state%mass(i)
-         end do
-         do i = max(lo, model%n_body + 1), hi
-            state%al(i, k) = 0.0_wp
-            if (state%inertia(i) > 0.0_wp) &
-               state%al(i, k) = (state%m(i, k) + state%m_own(i, k))/state%inertia(i)
-         end do
+         state%a(lo:hi, k) = state%f(lo:hi, k)
+         state%al(first:hi, k) = state%m(first:hi, k)
+         if (loaded) then
+            state%a(lo:hi, k) = state%a(lo:hi, k) + state%f_own(lo:hi, k)
+            state%al(first:hi, k) = state%al(first:hi, k) + state%m_own(first:hi, k)
+         end if
+         call divide(hi - lo + 1, state%mass(lo:hi), state%a(lo:hi, k))
+         call divide(hi - first + 1, state%inertia(first:hi), state%al(first:hi, k))
       end do
    end subroutine linear_accelerations
 
-   !> v += h12 a, w += h12 al, x += h2 v of leads lo..hi
-   subroutine move_leads(lo, hi, state)
+   !> y := y/m, 0 where m is
+   pure subroutine divide(n, m, y)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: m(n)
+      real(wp), intent(inout) :: y(n)
+
+      integer :: i
+
+      !$omp simd
+      do i = 1, n
+         y(i) = merge(y(i)/m(i), 0.0_wp, m(i) > 0.0_wp)
+      end do
+   end subroutine divide
+
+   !> v += h12 a, w += h12 al, x += h2 v of leads lo..hi; of bodies before that the sum of h2 w
+   pure subroutine move_leads(lo, hi, state)
       integer, intent(in) :: lo, hi
       type(state_t), intent(inout) :: state
 
-      integer :: i, k
+      integer :: k, n, last
 
+      n = hi - lo + 1
+      last = min(hi, size(state%rotation_sum, 1))
       do k = 1, 3
-         do i = lo, hi
-            state%v(i, k) = state%v(i, k) + state%h12*state%a(i, k)
-            state%world%w(i, k) = state%world%w(i, k) + state%h12*state%al(i, k)
-            state%d(i, k) = state%d(i, k) + state%h2*state%v(i, k)
-            state%world%x(i, k) = state%world%x(i, k) + state%h2*state%v(i, k)
-         end do
+         call add_to(last - lo + 1, state%h2, state%world%w(lo:last, k), &
+            state%rotation_sum(lo:last, k))
+         call add_to(n, state%h12, state%a(lo:hi, k), state%v(lo:hi, k))
+         call add_to(n, state%h12, state%al(lo:hi, k), state%world%w(lo:hi, k))
+         call add_to(n, state%h2, state%v(lo:hi, k), state%d(lo:hi, k))
+         call add_to(n, state%h2, state%v(lo:hi, k), state%world%x(lo:hi, k))
       end do
    end subroutine move_leads
+
+   !> y := y + h x
+   pure subroutine add_to(n, h, x, y)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h, x(n)
+      real(wp), intent(inout) :: y(n)
+
+      integer :: i
+
+      !$omp simd
+      do i = 1, n
+         y(i) = y(i) + h*x(i)
+      end do
+   end subroutine add_to
 
    !> New velocity of a secondary node at r from the main node, given the body's new v and w.
    !>
@@ -147,24 +179,49 @@ contains
       u = v + rel + 0.5_wp*h2*cross(w, rel)
    end function secondary_velocity
 
-   !> Move the secondary nodes of bodies lo..hi by one step; the leads have their old velocities and
-   !> positions
-   subroutine move_secondaries(model, lo, hi, state)
-      type(model_t), intent(in) :: model
+   !> Move members lo..hi of the crew by one step; the leads have their old velocities and positions
+   pure subroutine move_secondaries(lo, hi, state)
       integer, intent(in) :: lo, hi
       type(state_t), intent(inout) :: state
 
-      real(wp) :: w(3), v(3)
-      integer :: b, k
-
-      do b = lo, hi
-         do k = 1, 3
-            v(k) = state%v(b, k) + state%h12*state%a(b, k)
-            w(k) = state%world%w(b, k) + state%h12*state%al(b, k)
-         end do
-         call move_crew(state, b, model%first(b + 1) - model%first(b) <= 2, v, w)
-      end do
+      call move_crew(state%crew, lo, hi, state%h2, state%h12, size(state%v, 1), size(state%a, 1), &
+         state%a, state%al, state%world%w, state%world%x, state%v, state%d)
    end subroutine move_secondaries
+
+   !> The same with arrays that the compiler knows to be apart; see secondary_velocity
+   pure subroutine move_crew(crew, lo, hi, h2, h12, n_node, n_lead, a, al, w, x, v, d)
+      type(crew_t), intent(in) :: crew
+      integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h2, h12
+      integer, intent(in) :: n_node, n_lead
+      real(wp), dimension(n_lead, 3), intent(in) :: a, al, w
+      real(wp), dimension(n_node, 3), intent(inout) :: x, v, d
+
+      real(wp) :: u(3), t(3), r(3), wb(3), vb(3)
+      integer :: i, k, b
+
+      do k = lo, hi
+         i = crew%node(k)
+         b = crew%lead(k)
+         vb = v(b, :) + h12*a(b, :)
+         wb = w(b, :) + h12*al(b, :)
+         r = x(i, :) - x(b, :)
+         if (crew%few(k)) then
+            u = secondary_velocity(vb, wb, r, h2, h12, .true.)
+         else
+            t(1) = wb(2)*r(3) - wb(3)*r(2)
+            t(2) = wb(3)*r(1) - wb(1)*r(3)
+            t(3) = wb(1)*r(2) - wb(2)*r(1)
+            u(1) = vb(1) + t(1) + 0.5_wp*h2*(wb(2)*t(3) - wb(3)*t(2))
+            u(2) = vb(2) + t(2) + 0.5_wp*h2*(wb(3)*t(1) - wb(1)*t(3))
+            u(3) = vb(3) + t(3) + 0.5_wp*h2*(wb(1)*t(2) - wb(2)*t(1))
+         end if
+         x(i, :) = x(i, :) + h2*u
+         if (.not. crew%kept(k)) cycle
+         v(i, :) = u
+         d(i, :) = d(i, :) + h2*u
+      end do
+   end subroutine move_crew
 
    !> Keep the largest turn in a step.
    !>
@@ -174,9 +231,17 @@ contains
       type(state_t), intent(inout) :: state
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: turn2
+      real(wp) :: turn2, largest
       integer :: b
 
+      largest = 0.0_wp
+      associate (w => state%world%w)
+         !$omp simd reduction(max: largest)
+         do b = 1, model%n_body
+            largest = max(largest, w(b, 1)**2 + w(b, 2)**2 + w(b, 3)**2)
+         end do
+      end associate
+      if (state%h2**2*largest <= min(state%turn2, 1.0_wp)) return
       do b = 1, model%n_body
          turn2 = state%h2**2*(state%world%w(b, 1)**2 + state%world%w(b, 2)**2 + &
             state%world%w(b, 3)**2)
@@ -191,43 +256,5 @@ contains
          end if
       end do
    end subroutine check_turns
-
-   !> Move the secondary nodes of one body that anyone reads; see secondary_velocity
-   pure subroutine move_crew(state, b, few, v, w)
-      type(state_t), intent(inout) :: state
-      integer, intent(in) :: b
-      logical, intent(in) :: few
-      real(wp), intent(in) :: v(3), w(3)        !! new velocities of the body
-
-      real(wp) :: r1, r2, r3, t1, t2, t3, u(3), half
-      integer :: i, k
-
-      half = 0.5_wp*state%h2
-      do k = state%first_moved(b), state%first_moved(b + 1) - 1
-         i = state%moved(k)
-         r1 = state%world%x(i, 1) - state%world%x(b, 1)
-         r2 = state%world%x(i, 2) - state%world%x(b, 2)
-         r3 = state%world%x(i, 3) - state%world%x(b, 3)
-         if (few) then
-            u = secondary_velocity(v, w, [r1, r2, r3], state%h2, state%h12, few)
-         else
-            t1 = w(2)*r3 - w(3)*r2
-            t2 = w(3)*r1 - w(1)*r3
-            t3 = w(1)*r2 - w(2)*r1
-            u(1) = v(1) + t1 + half*(w(2)*t3 - w(3)*t2)
-            u(2) = v(2) + t2 + half*(w(3)*t1 - w(1)*t3)
-            u(3) = v(3) + t3 + half*(w(1)*t2 - w(2)*t1)
-         end if
-         state%v(i, 1) = u(1)
-         state%v(i, 2) = u(2)
-         state%v(i, 3) = u(3)
-         state%d(i, 1) = state%d(i, 1) + state%h2*u(1)
-         state%d(i, 2) = state%d(i, 2) + state%h2*u(2)
-         state%d(i, 3) = state%d(i, 3) + state%h2*u(3)
-         state%world%x(i, 1) = state%world%x(i, 1) + state%h2*u(1)
-         state%world%x(i, 2) = state%world%x(i, 2) + state%h2*u(2)
-         state%world%x(i, 3) = state%world%x(i, 3) + state%h2*u(3)
-      end do
-   end subroutine move_crew
 
 end module kj_body

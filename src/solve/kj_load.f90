@@ -138,21 +138,36 @@ contains
       type(state_t), intent(inout) :: state
 
       real(wp) :: g(3), mean(3), work
-      integer :: i, k, lead
+      integer :: i
 
       do i = 1, size(model%gravity)
          g = gravity_at(model, state, model%gravity(i), state%time)
          mean = 0.5_wp*(g + gravity_at(model, state, model%gravity(i), &
             max(0.0_wp, state%time - state%h1)))
-         work = 0.0_wp
-         do k = 1, size(model%gravity(i)%node)
-            lead = model%gravity(i)%node(k)
-            state%a(lead, :) = state%a(lead, :) + g
-            work = work + state%mass(lead)*dot_product(mean, state%v(lead, :))
-         end do
+         call add_field(model%gravity(i)%node, g, mean, size(state%v, 1), size(state%a, 1), &
+            state%mass, state%v, state%a, work)
          state%work = state%work + work*state%h1
       end do
    end subroutine add_gravity
+
+   !> a += g of the leads of a card, and the power of the mean acceleration
+   pure subroutine add_field(lead, g, mean, n_node, n_lead, mass, v, a, power)
+      integer, intent(in) :: lead(:)
+      real(wp), intent(in) :: g(3), mean(3)
+      integer, intent(in) :: n_node, n_lead
+      real(wp), intent(in) :: mass(n_lead), v(n_node, 3)
+      real(wp), intent(inout) :: a(n_lead, 3)
+      real(wp), intent(out) :: power
+
+      integer :: k, i
+
+      power = 0.0_wp
+      do k = 1, size(lead)
+         i = lead(k)
+         a(i, :) = a(i, :) + g
+         power = power + mass(i)*(mean(1)*v(i, 1) + mean(2)*v(i, 2) + mean(3)*v(i, 3))
+      end do
+   end subroutine add_field
 
    !> Boundary conditions: the blocked components of acceleration and velocity become zero
    subroutine hold_conditions(model, state)

@@ -11,7 +11,7 @@ module kj_state
    implicit none
    private
 
-   public :: state_t, new_state
+   public :: state_t, new_state, crew_t
 
    real(wp), parameter, public :: EPS20 = 1.0e-20_wp
    real(wp), parameter, public :: NO_LIMIT = 1.0e6_wp   !! step of a scene that nothing limits
@@ -19,6 +19,13 @@ module kj_state
    real(wp), parameter, public :: GROWTH = real(1.1, wp)
 
    integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2, OWNER_JOINT = 3
+
+   !> Secondary nodes that joints, skews, loads or the history read, body by body
+   type :: crew_t
+      integer, allocatable :: node(:), lead(:)
+      logical, allocatable :: kept(:)         !! its velocity and displacement are read, too
+      logical, allocatable :: few(:)          !! its body has at most two secondary nodes
+   end type crew_t
 
    !> The state
    type :: state_t
@@ -50,9 +57,10 @@ module kj_state
       real(wp), allocatable :: f_host(:, :), m_host(:, :)
       real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
       real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
-      !> secondary nodes that joints, skews, loads or the history read, body by body: body b moves
-      !> moved(first_moved(b)) .. moved(first_moved(b + 1) - 1)
-      integer, allocatable :: moved(:), first_moved(:)
+      !> of each piece of leads, least m/k or I/k_r
+      real(wp), allocatable :: least(:)
+      integer, allocatable :: least_at(:)                  !! its lead, 0 = none
+      type(crew_t) :: crew                                 !! secondary nodes that move
       ! bodies
       real(wp), allocatable :: p(:, :)                     !! (n_body, 9) principal axes, columns, W
       real(wp), allocatable :: principal(:, :)             !! (n_body, 3)
@@ -75,32 +83,31 @@ module kj_state
 contains
 
    !> Secondary nodes that anyone reads; the others stay where they were
-   pure subroutine list_moved(model, moved, first_moved)
+   pure subroutine list_crew(model, crew)
       type(model_t), intent(in) :: model
-      integer, allocatable, intent(out) :: moved(:), first_moved(:)
+      type(crew_t), intent(out) :: crew
 
-      logical :: used(model%n_node)
+      logical :: used(model%n_node), kept(model%n_node)
       integer :: i
 
-      used = .false.
-      used(model%th_node) = .true.
+      kept = .false.
+      kept(model%th_node) = .true.
+      do i = 1, size(model%cload)
+         kept(model%cload(i)%node) = .true.
+      end do
+      used = kept
       do i = 1, model%n_element
          used(model%joint(i)%node) = .true.
       end do
       do i = 1, size(model%skews%needed)
          used(model%skews%node(:, model%skews%needed(i))) = .true.
       end do
-      do i = 1, size(model%cload)
-         used(model%cload(i)%node) = .true.
-      end do
-      moved = pack([(i, i=1, model%n_node)], used)
-      moved = pack(moved, moved > model%n_lead)
-      allocate (first_moved(model%n_body + 1))
-      first_moved(1) = 1
-      do i = 1, model%n_body
-         first_moved(i + 1) = first_moved(i) + count(used(model%first(i):model%first(i + 1) - 1))
-      end do
-   end subroutine list_moved
+      used(:model%n_lead) = .false.
+      crew%node = pack([(i, i=1, model%n_node)], used)
+      crew%lead = model%lead(crew%node)
+      crew%kept = kept(crew%node)
+      crew%few = model%first(crew%lead + 1) - model%first(crew%lead) <= 2
+   end subroutine list_crew
 
    !> State at t = 0, before the first cycle
    subroutine new_state(model, state)
@@ -129,7 +136,9 @@ contains
       allocate (state%inertia, source=model%inertia)
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
          model%n_lead, state%team)
-      call list_moved(model, state%moved, state%first_moved)
+      allocate (state%least(size(state%team%lead, 2)), source=huge(1.0_wp))
+      allocate (state%least_at(size(state%team%lead, 2)), source=0)
+      call list_crew(model, state%crew)
       allocate (state%p, source=model%axes)
       allocate (state%principal, source=model%principal)
       allocate (state%w_before(size(model%bcs), 3), source=0.0_wp)

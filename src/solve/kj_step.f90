@@ -5,15 +5,16 @@ module kj_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
-   use kj_model, only: model_t
+   use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_state, only: state_t, EPS20
+   use kj_team, only: GRAIN
    use kj_skew, only: move_skews
    use kj_joint_force, only: add_joint_forces
    use kj_assembly, only: gather_wrenches
    use kj_load, only: add_cloads, add_gravity, hold_conditions, impose_motion
    use kj_body, only: turn_bodies, solve_conditioned, linear_accelerations, move_leads, &
       move_secondaries, check_turns
-   use kj_time_step, only: choose_step
+   use kj_time_step, only: choose_step, least_ratio
    use kj_blocking, only: set_blocking
    implicit none
    private
@@ -42,20 +43,25 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       state%h1 = state%h2
-      call find_joint_forces(model, state, sampling)
-      call add_cloads(model, state)
-      call add_host_loads(state)
-      call in_pieces(turn, size(state%team%lead, 2), model, state)
+      call add_all_joints(model, state, sampling)
+      if (is_loaded(model, state)) then
+         call in_pieces(gather, size(state%team%lead, 2), model, state)
+         call add_cloads(model, state)
+         call add_host_loads(state)
+         call in_pieces(accelerate, size(state%team%lead, 2), model, state)
+      else
+         call in_pieces(gather_and_accelerate, size(state%team%lead, 2), model, state)
+      end if
       call solve_conditioned(model, state)
       call choose_step(model, state)
       call check_step(model, state, error)
       if (.not. allocated(error)) call set_blocking(model, state, error)
       state%work = state%work + state%power*state%h2
-      call in_pieces(accelerate, size(state%team%lead, 2), model, state)
+      if (any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])) &
+         call in_pieces(accelerate_leads, size(state%team%lead, 2), model, state)
       call add_gravity(model, state)
       call hold_conditions(model, state)
       call impose_motion(model, state)
-      state%rotation_sum = state%rotation_sum + state%h2*state%world%w(:model%n_body, :)
    end subroutine find_accelerations
 
    !> Move everything to t(n + 1).
@@ -69,6 +75,7 @@ contains
       integer :: i
 
       call check_turns(model, state, error)
+      call in_pieces(move_nodes, (size(state%crew%node) + GRAIN - 1)/GRAIN, model, state)
       call in_pieces(move, size(state%team%lead, 2), model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
@@ -85,13 +92,30 @@ contains
       type(state_t), intent(inout) :: state
       logical, intent(in) :: sampling        !! keep the rates, too
 
+      call add_all_joints(model, state, sampling)
+      call in_pieces(gather, size(state%team%lead, 2), model, state)
+   end subroutine find_joint_forces
+
+   !> Frames, forces and state of all joints
+   subroutine add_all_joints(model, state, sampling)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      logical, intent(in) :: sampling        !! keep the rates, too
+
       call move_skews(model%skews, state%world%x, state%world%skew)
       state%world%time = state%time
       state%world%h12 = state%h12
       state%sampling = sampling
       call in_pieces(add_joints, size(state%team%joint, 2), model, state)
-      call in_pieces(gather, size(state%team%lead, 2), model, state)
-   end subroutine find_joint_forces
+   end subroutine add_all_joints
+
+   !> Forces or moments may act on leads themselves; f_own and m_own are 0 otherwise
+   pure logical function is_loaded(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+
+      is_loaded = size(model%cload) > 0 .or. allocated(state%f_host)
+   end function is_loaded
 
    !> Forces and moments of an embedding host on the leads, W, and their power
    subroutine add_host_loads(state)
@@ -153,49 +177,73 @@ contains
       call gather_wrenches(model%map, state%wrench, lo, hi, state%f, state%m, state%kn, state%kr)
       state%kn(lo:hi) = state%kn(lo:hi) + EPS20
       state%kr(lo:hi) = state%kr(lo:hi) + EPS20
-      state%f_own(lo:hi, :) = 0.0_wp
-      state%m_own(lo:hi, :) = 0.0_wp
+      if (is_loaded(model, state)) then
+         state%f_own(lo:hi, :) = 0.0_wp
+         state%m_own(lo:hi, :) = 0.0_wp
+      end if
    end subroutine gather
 
-   !> Turn of the bodies and their angular accelerations; impulses of the forces on secondary nodes,
-   !> as the Radioss time history keeps them
-   subroutine turn(model, state, piece)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      integer, intent(in) :: piece
-
-      integer :: lo, hi, k
-
-      lo = state%team%lead(1, piece)
-      hi = min(state%team%lead(2, piece), model%n_body)
-      do k = 1, 3
-         state%impulse(lo:hi, k) = state%impulse(lo:hi, k) + state%h1*state%f(lo:hi, k)
-         state%angular_impulse(lo:hi, k) = state%angular_impulse(lo:hi, k) + &
-            state%h1*state%m(lo:hi, k)
-      end do
-      call turn_bodies(state, lo, hi)
-   end subroutine turn
-
+   !> Turn of the bodies, accelerations, and what limits the step; impulses of the forces on
+   !> secondary nodes, as the Radioss time history keeps them
    subroutine accelerate(model, state, piece)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
       integer, intent(in) :: piece
 
-      call linear_accelerations(model, state%team%lead(1, piece), state%team%lead(2, piece), state)
+      integer :: lo, hi, last, k
+
+      lo = state%team%lead(1, piece)
+      hi = state%team%lead(2, piece)
+      last = min(hi, model%n_body)
+      do k = 1, 3
+         state%impulse(lo:last, k) = state%impulse(lo:last, k) + state%h1*state%f(lo:last, k)
+         state%angular_impulse(lo:last, k) = state%angular_impulse(lo:last, k) + &
+            state%h1*state%m(lo:last, k)
+      end do
+      call turn_bodies(is_loaded(model, state), lo, last, state)
+      call accelerate_leads(model, state, piece)
+      if (model%control%nodal_step .or. model%control%joint_step) &
+         call least_ratio(model, state, lo, hi, state%least(piece), state%least_at(piece))
    end subroutine accelerate
 
-   !> New velocities and positions of bodies with their secondary nodes, and of free nodes
+   subroutine gather_and_accelerate(model, state, piece)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
+
+      call gather(model, state, piece)
+      call accelerate(model, state, piece)
+   end subroutine gather_and_accelerate
+
+   subroutine accelerate_leads(model, state, piece)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
+
+      call linear_accelerations(model, is_loaded(model, state), state%team%lead(1, piece), &
+         state%team%lead(2, piece), state)
+   end subroutine accelerate_leads
+
+   !> New positions of secondary nodes
+   subroutine move_nodes(model, state, piece)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: piece
+
+      associate (unused => model%n_node)
+      end associate
+      call move_secondaries(GRAIN*(piece - 1) + 1, min(GRAIN*piece, size(state%crew%node)), state)
+   end subroutine move_nodes
+
+   !> New velocities and positions of bodies and free nodes
    subroutine move(model, state, piece)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
       integer, intent(in) :: piece
 
-      integer :: lo, hi
-
-      lo = state%team%lead(1, piece)
-      hi = state%team%lead(2, piece)
-      call move_secondaries(model, lo, min(hi, model%n_body), state)
-      call move_leads(lo, hi, state)
+      associate (unused => model%n_node)
+      end associate
+      call move_leads(state%team%lead(1, piece), state%team%lead(2, piece), state)
    end subroutine move
 
    subroutine check_step(model, state, error)

@@ -7,7 +7,7 @@ module kj_time_step
    implicit none
    private
 
-   public :: choose_step
+   public :: choose_step, least_ratio
 
 contains
 
@@ -21,7 +21,7 @@ contains
       limit = NO_LIMIT
       state%owner_kind = OWNER_NONE
       if (model%control%nodal_step) then
-         call nodal_limit(model, state, nodal)
+         nodal = nodal_limit(model, state)
          select case (model%control%below_min)
          case (SCALE_MASS)
             if (nodal < model%control%dt_min) then
@@ -35,7 +35,7 @@ contains
          end select
          limit = min(limit, nodal)
       else if (model%control%joint_step) then
-         call nodal_limit(model, state, limit)
+         limit = nodal_limit(model, state)
       end if
       if (limit >= NO_LIMIT) state%owner_kind = OWNER_NONE
       state%h2 = min(limit, GROWTH*state%h_old, model%control%dt_max)
@@ -44,33 +44,51 @@ contains
       state%h12 = 0.5_wp*(state%h1 + state%h2)
    end subroutine choose_step
 
-   !> fac min sqrt(2 m/k) over leads with mass, and sqrt(2 I/k_r) over leads with inertia; the step
-   !> of TYPE45 joints is that of the leads that carry them
-   subroutine nodal_limit(model, state, limit)
+   !> fac min sqrt(2 m/k) over leads with mass, and sqrt(2 I/k_r) over leads with inertia; finds the
+   !> owner of the step, too
+   real(wp) function nodal_limit(model, state) result(limit)
       type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      real(wp), intent(out) :: limit
+      type(state_t), intent(inout) :: state      !! least_ratio and its lead of all pieces are known
 
-      real(wp) :: ratio, least
+      integer :: piece
+
+      limit = NO_LIMIT
+      state%owner = 0
+      if (size(state%least) > 0) then
+         piece = minloc(state%least, dim=1)
+         state%owner = state%least_at(piece)
+         if (state%least(piece) < 0.25_wp*huge(1.0_wp)) &
+            limit = model%control%dt_factor*sqrt(2.0_wp*state%least(piece))
+      end if
+      state%owner_kind = merge(OWNER_BODY, OWNER_NODE, state%owner <= model%n_body)
+      if (state%owner == 0) state%owner_kind = OWNER_NONE
+   end function nodal_limit
+
+   !> The least m/k and I/k_r of leads lo..hi, and the first lead that has it (0 = none); the step
+   !> of TYPE45 joints is that of the leads that carry them
+   pure subroutine least_ratio(model, state, lo, hi, least, at)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+      integer, intent(in) :: lo, hi
+      real(wp), intent(out) :: least
+      integer, intent(out) :: at
+
+      real(wp) :: ratio
       integer :: i
 
       least = huge(1.0_wp)
-      state%owner = 0
-      do i = 1, model%n_lead
+      at = 0
+      do i = lo, hi
          if (model%control%joint_step .and. model%map%first(i + 1) == model%map%first(i)) cycle
          ratio = huge(1.0_wp)
          if (state%mass(i) > 0.0_wp) ratio = state%mass(i)/state%kn(i)
          if (state%inertia(i) > 0.0_wp) ratio = min(ratio, state%inertia(i)/state%kr(i))
          if (ratio < least) then
             least = ratio
-            state%owner = i
+            at = i
          end if
       end do
-      state%owner_kind = merge(OWNER_BODY, OWNER_NODE, state%owner <= model%n_body)
-      if (state%owner == 0) state%owner_kind = OWNER_NONE
-      limit = NO_LIMIT
-      if (least < 0.25_wp*huge(1.0_wp)) limit = model%control%dt_factor*sqrt(2.0_wp*least)
-   end subroutine nodal_limit
+   end subroutine least_ratio
 
    !> Mass scaling of the leads whose own step lies below dt_min.
    !>
