@@ -52,7 +52,7 @@ contains
          else
             call build_c_model(set%model, set%c)
             call drop_constants(set)
-            call new_c_state(set%model, set%c, set%cs)
+            call new_c_state(set%model, set%c, set%cs, lean=.not. reads_nodes(set))
          end if
          deallocate (set%model%v0, set%model%w0, set%cs%impulse, set%cs%angular_impulse, &
             set%cs%turn)

@@ -280,8 +280,8 @@ contains
 
       do b = 1, size(c%batch)
          associate (batch => c%batch(b), first => c%batch(b)%first)
-            bound%q(first + 1:first + batch%n, :) = state%joint(b)%q
             do i = 1, batch%n
+               bound%q(first + i, :) = state%joint(b)%q(i, :)
                bound%reach(first + i) = TURN*max(tiny(1.0_wp), norm2(batch%arm(i, 1:3)) + &
                   norm2(batch%arm(i, 4:6)) + norm2(batch%xl0(i, :) + state%joint(b)%q(i, 1:3)))
                if (batch%spring) bound%rows(:, first + i) = rows_of(state, b, i)

@@ -240,29 +240,36 @@ contains
    end function dual_components
 
    !> State at t = 0 with its forces
-   subroutine new_c_state(model, c, state)
+   subroutine new_c_state(model, c, state, lean)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(out) :: state
+      logical, intent(in), optional :: lean      !! without what only loads and histories read
 
-      integer :: b, i
+      integer :: b, i, n_own
+      logical :: without
 
+      without = .false.
+      if (present(lean)) without = lean
       associate (n => model%n_lead, p => state%poses)
          allocate (p%x, source=model%x0(:n, :))
          allocate (p%quat, source=c%quat0)
          allocate (p%v, source=model%v0(:n, :))
          allocate (state%v, source=model%v0(:n, :))
          allocate (p%w(n, 3), p%w_left(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), p%d(n, 3), &
-            state%l(n, 3), state%f(n, 3), &
-            state%t(n, 3), state%own_f(n, 3), state%own_t(n, 3), source=0.0_wp)
-         allocate (state%impulse(model%n_body, 3), state%angular_impulse(model%n_body, 3), &
-            state%turn(model%n_body, 3), source=0.0_wp)
+            state%l(n, 3), state%f(n, 3), state%t(n, 3), source=0.0_wp)
+         n_own = merge(0, n, without)
+         allocate (state%own_f(n_own, 3), state%own_t(n_own, 3), source=0.0_wp)
+         n_own = merge(0, model%n_body, without)
+         allocate (state%impulse(n_own, 3), state%angular_impulse(n_own, 3), &
+            state%turn(n_own, 3), source=0.0_wp)
          p%im = c%im*c%n_joint
          do i = 1, n
             state%l(i, :) = start_spin(model, c, i)
          end do
       end associate
-      allocate (state%node, source=model%x0)
+      n_own = merge(0, size(model%x0, 1), without)
+      allocate (state%node, source=model%x0(:n_own, :))
       allocate (state%skew(0:model%skews%n, 9))
       state%skew = model%skews%axes
       allocate (state%joint(size(c%batch)))

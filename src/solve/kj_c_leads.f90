@@ -111,9 +111,10 @@ contains
             state%poses%psi(i, k) = state%poses%psi(i, k) + 0.5_wp*h*state%poses%w(i, k)
             state%f(i, k) = 0.0_wp
             state%t(i, k) = 0.0_wp
-            state%own_f(i, k) = 0.0_wp
-            state%own_t(i, k) = 0.0_wp
          end do
+         if (size(state%own_f, 1) == 0) cycle
+         state%own_f(lo:hi, k) = 0.0_wp
+         state%own_t(lo:hi, k) = 0.0_wp
       end do
    end subroutine open_leads
 
