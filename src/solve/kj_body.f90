@@ -34,7 +34,9 @@ contains
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
          do k = 1, 3
-            state%principal(from:to, k) = max(state%principal(from:to, k), state%inertia(from:to))
+            if (any(state%principal(from:to, k) < state%inertia(from:to))) &
+               state%principal(from:to, k) = max(state%principal(from:to, k), &
+               state%inertia(from:to))
             w(:n, k) = state%world%w(from:to, k)
             phi(:n, k) = state%h1*w(:n, k)
             m(:n, k) = state%m(from:to, k)
