@@ -100,8 +100,8 @@ contains
 
       associate (s => set%state, m => set%model)
          deallocate (s%d, s%v, s%a, s%al, s%impulse, s%angular_impulse, s%rotation_sum, s%p, &
-            s%principal, s%crew%node, s%crew%lead, s%crew%kept, s%crew%few, m%v0, m%w0, m%axes, m%principal, m%node_id, &
-            m%body_id, m%first)
+            s%principal, s%crew%node, s%crew%lead, s%crew%kept, s%crew%few, m%v0, m%w0, m%axes, &
+            m%principal, m%node_id, m%body_id, m%first)
          do b = 1, size(m%batch)
             deallocate (m%batch(b)%frame0, m%batch(b)%angle0)
          end do

@@ -127,6 +127,7 @@ contains
       real(wp), intent(out) :: lambda(BLOCK)
 
       integer, parameter :: SQUARINGS = 7
+      real(wp), parameter :: LEAST = 1.0e-150_wp   !! root of an eigenvalue that limits no step
       real(wp) :: a(BLOCK, 21), root(BLOCK, 6), trace(BLOCK), inverse(BLOCK), scale(BLOCK)
       integer :: i, l, m, at, power
 
@@ -136,7 +137,7 @@ contains
          root(:n, l) = sqrt(k(:n, l))
          scale(:n) = max(scale(:n), root(:n, l)*sqrt(max(0.0_wp, s(:n, l*(l + 1)/2))))
       end do
-      inverse(:n) = 1.0_wp/max(scale(:n), tiny(1.0_wp))
+      inverse(:n) = merge(1.0_wp/max(scale(:n), LEAST), 0.0_wp, .not. scale(:n) < LEAST)
       trace(:n) = 0.0_wp
       do l = 1, 6
          root(:n, l) = root(:n, l)*inverse(:n)

@@ -66,7 +66,7 @@ module kj_c_state
       !> (n_lead, 3) velocity, angular momentum about the lead, W
       real(wp), allocatable :: v(:, :), l(:, :)
       real(wp), allocatable :: f(:, :), t(:, :)  !! (n_lead, 3) force and moment, all but reactions
-      !> (n_lead, 3) of these, gravity and loads on the lead itself; no rows for a host that adds them
+      !> (n_lead, 3) of these, gravity and loads on the lead itself; no rows where a host adds them
       real(wp), allocatable :: own_f(:, :), own_t(:, :)
       !> (n_lead, 3) of these, what an embedding host applies now and in the last step; not
       !> allocated: nothing
