@@ -10,13 +10,14 @@ module kj_sink_h5
    use kj_version, only: KJOINT_VERSION
    use kj_system, only: rename_file, remove_file, host_name, date_time, wall_clock
    use kj_utf8, only: as_utf8
-   use kj_channels, only: AS_F64, AS_I32, AS_I64, CH_TIME
+   use kj_channels, only: AS_F64, AS_I32, AS_I64
    use kj_history, only: history_t
    use kj_sink, only: sink_t
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
       create_group, put_text, put_number
    use kj_h5_layout, only: write_layout
-   use kj_h5_chunk, only: packer_t, new_packer, write_rows
+   use kj_h5_chunk, only: packer_t, new_packer, free_packer, hold_row, pack_in_background, &
+      write_background, write_buffer, write_rows
    implicit none
    private
 
@@ -31,8 +32,8 @@ module kj_sink_h5
       integer(hid_t), private :: file = -1, run = -1           !! /run
       type(packer_t), private :: packer
       integer, private :: n_value = 0, n_chunk = 1             !! reals in a row, rows in a chunk
-      real(wp), allocatable, private :: buffer(:, :)           !! (n_value, n_chunk)
       integer, private :: n_written = 0                        !! rows in chunks that are full
+      integer, private :: n_packing = 0                        !! rows packed in the background
       integer, private :: n_held = 0                           !! rows in the buffer
       logical, private :: named = .false.                      !! the file has its final name
       real(wp), private :: started = 0.0_wp, flushed = 0.0_wp, last_put = 0.0_wp  !! wall clock [s]
@@ -76,10 +77,8 @@ contains
 
       self%n_value = history%n_value
       self%n_chunk = rows_in_chunk(history)
-      ! a chunk of one row is written from where it is
-      if (allocated(self%buffer)) deallocate (self%buffer)
-      if (self%n_chunk > 1) allocate (self%buffer(self%n_value, self%n_chunk))
       self%n_written = 0
+      self%n_packing = 0
       self%n_held = 0
       self%named = .false.
       self%started = wall_clock()
@@ -88,11 +87,11 @@ contains
 
       allocate (series(size(history%variable)))
       call write_layout(self%file, history, self%n_chunk, series, error)
-      call new_packer(history%variable, series, &
-         findloc(history%variable%channel, CH_TIME, dim=1), self%n_chunk, self%n_threads, &
-         self%reproducible, self%packer)
+      call new_packer(history, series, self%n_chunk, self%n_threads, self%reproducible, &
+         self%packer, error)
       call put_start(self, error)
       if (allocated(error)) then
+         call free_packer(self%packer)
          call close_file(self%file, closing)
          call remove_file(self%path//GROWING)
       end if
@@ -153,20 +152,13 @@ contains
          call write_row(self, row, error)
       else
          self%n_held = self%n_held + 1
-         self%buffer(:, self%n_held) = row
+         call hold_row(self%packer, self%n_held, row)
+         if (self%n_held == self%n_chunk) call hand_over(self, error)
       end if
-
-      if (self%reproducible) then
-         if (modulo(self%n_held, self%n_chunk) == 0) call self%flush(error)
-         return
-      end if
+      if (self%reproducible .or. allocated(error)) return
       ! flush when the next row, as far away as this one was, would come too late
       now = wall_clock()
-      if (2.0_wp*now - self%last_put - self%flushed >= FLUSH_SECONDS) then
-         call self%flush(error)
-      else if (self%n_held == self%n_chunk) then
-         call write_held(self, error)
-      end if
+      if (2.0_wp*now - self%last_put - self%flushed >= FLUSH_SECONDS) call self%flush(error)
       self%last_put = now
    end subroutine put_h5
 
@@ -176,25 +168,55 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (self%file < 0) return
+      call write_packing(self, error)
       call write_held(self, error)
+      call make_readable(self, error)
+   end subroutine flush_h5
+
+   !> Make what is written readable by others
+   subroutine make_readable(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
       call flush_file(self%file, error)
       if (.not. allocated(error)) call take_name(self, error)
       self%flushed = wall_clock()
-   end subroutine flush_h5
+   end subroutine make_readable
 
-   !> Write the rows in the buffer, time last: a reader finds at least as many rows of the rest.
-   !> A part of a chunk stays in the buffer and is written again with the rest of the chunk.
+   !> The buffer is full: write the chunk before, leave this one to the background
+   subroutine hand_over(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      call write_packing(self, error)
+      call pack_in_background(self%packer)
+      self%n_packing = self%n_held
+      self%n_held = 0
+   end subroutine hand_over
+
+   !> Write the chunk that the background packs, time last: a reader finds at least as many rows of
+   !> the rest. Reproducible files are flushed here, by rows instead of by the clock.
+   subroutine write_packing(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (self%n_packing == 0) return
+      call write_background(self%packer, self%n_written, error)
+      if (allocated(error)) error%file = self%path
+      self%n_written = self%n_written + self%n_packing
+      self%n_packing = 0
+      if (self%reproducible) call make_readable(self, error)
+   end subroutine write_packing
+
+   !> Write the rows in the buffer, part of a chunk: they stay there and are written again with the
+   !> rest of it
    subroutine write_held(self, error)
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
       if (self%n_held == 0) return
-      call write_rows(self%packer, self%n_written, self%n_value, self%n_held, &
-         self%buffer, error)
+      call write_buffer(self%packer, self%n_written, self%n_held, error)
       if (allocated(error)) error%file = self%path
-      if (self%n_held < self%n_chunk) return
-      self%n_written = self%n_written + self%n_held
-      self%n_held = 0
    end subroutine write_held
 
    !> Write a row that is a chunk
@@ -203,9 +225,10 @@ contains
       real(wp), intent(in) :: row(:)
       type(error_t), allocatable, intent(inout) :: error
 
-      call write_rows(self%packer, self%n_written, self%n_value, 1, row, error)
+      call write_rows(self%packer, self%n_written, 1, row, error)
       if (allocated(error)) error%file = self%path
       self%n_written = self%n_written + 1
+      if (self%reproducible) call make_readable(self, error)
    end subroutine write_row
 
    !> Give the file its final name, replacing an older history. Errors: ERR_FILE
@@ -231,8 +254,10 @@ contains
       logical :: empty
 
       if (self%file < 0) return
-      empty = self%n_written + self%n_held == 0
+      empty = self%n_written + self%n_packing + self%n_held == 0
+      call write_packing(self, error)
       call write_held(self, error)
+      call free_packer(self%packer)
       if (.not. self%reproducible) then
          call put_text(self%run, 'ended', date_time(), error)
          call put_number(self%run, 'elapsed_s', AS_F64, wall_clock() - self%started, error)
