@@ -36,6 +36,7 @@ contains
       call new_state(sim%model, sim%state)
       call sink%open(sim%history, error)
       if (allocated(error)) return
+      if (.not. allocated(sim%row)) allocate (sim%row(sim%history%n_value))
       clock = wall_clock()
       if (sim%legacy) then
          call run_legacy(sim, sink, monitor, status, clock, stop, error)
@@ -51,6 +52,7 @@ contains
       clock = wall_clock()
       call monitor%tick(status, ignored)
       call end_history(sink, stop, status%cycle, error, sink_error)
+      deallocate (sim%row)
       status%wall_output = status%wall_output + wall_clock() - clock
    end procedure run_simulation
 
@@ -265,7 +267,6 @@ contains
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp), allocatable :: row(:)
       real(wp) :: now
 
       now = wall_clock()
@@ -278,9 +279,8 @@ contains
          end if
          call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
       end if
-      allocate (row(sim%history%n_value))
-      call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
-      if (.not. allocated(error)) call sink%put(row, error)
+      call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, sim%row, error)
+      if (.not. allocated(error)) call sink%put(sim%row, error)
       clock = wall_clock()
       status%wall_output = status%wall_output + clock - now
       status%n_sample = status%n_sample + 1

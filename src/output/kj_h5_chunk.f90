@@ -191,10 +191,19 @@ contains
    subroutine hold_row(packer, i, row)
       type(packer_t), intent(inout) :: packer
       integer, intent(in) :: i
-      real(wp), intent(in) :: row(:)
+      real(wp), contiguous, intent(in) :: row(:)
 
-      packer%buffer(:, i) = row
+      call copy(packer%n_value, row, packer%buffer(:, i))
    end subroutine hold_row
+
+   !> A copy without strides, which the compiler leaves to memcpy
+   pure subroutine copy(n, from, to)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: from(n)
+      real(wp), intent(out) :: to(n)
+
+      to = from
+   end subroutine copy
 
    !> The buffer is full: pack it in the background and go on with the other. write_background comes
    !> before the next of these.
