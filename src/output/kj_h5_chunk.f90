@@ -128,8 +128,11 @@ contains
          end do
       end associate
       packer%group = max(1, size(packer%column))
-      if (n_chunk == 1) packer%group = min(packer%group, MOST_AT_ONCE)
-      packer%threads = max(1, min(threads, packer%group))
+      packer%threads = 1
+      if (n_chunk == 1) then
+         packer%group = min(packer%group, MOST_AT_ONCE)
+         packer%threads = max(1, min(threads, packer%group))
+      end if
       packer%own = kj_packer_new(merge(1_c_int, 0_c_int, exact), &
          int(history%n_value, c_size_t), int(n_chunk, c_size_t), int(packer%group, c_size_t), &
          int(packer%threads, c_size_t), size(packer%slice, kind=c_size_t), packer%slice)

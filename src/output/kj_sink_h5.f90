@@ -1,5 +1,6 @@
-!> The sink that writes a history file. Rows are held until a chunk is full, then written in whole
-!> chunks; at least every FLUSH_SECONDS what is there becomes readable by others.
+!> The sink that writes a history file. Rows are held until a chunk is full; a thread in the
+!> background packs it, and it is written when the next one is full. At least every FLUSH_SECONDS
+!> what is there becomes readable by others. HDF5 is called by the caller's thread alone.
 !>
 !> The file grows under a name of its own beside `path` and takes that name at the first flush, so
 !> that an older history is lost only to a run that got going.
@@ -35,6 +36,7 @@ module kj_sink_h5
       integer, private :: n_written = 0                        !! rows in chunks that are full
       integer, private :: n_packing = 0                        !! rows packed in the background
       integer, private :: n_held = 0                           !! rows in the buffer
+      logical, private :: failed = .false.                     !! a row could not be written
       logical, private :: named = .false.                      !! the file has its final name
       real(wp), private :: started = 0.0_wp, flushed = 0.0_wp, last_put = 0.0_wp  !! wall clock [s]
    contains
@@ -68,6 +70,7 @@ contains
          call fail(error, ERR_FILE, '"'//self%path//'" is no name for a history file')
          return
       end if
+      if (self%file >= 0) call close_file(self%file, closing)   ! a run that was given up
       call start_hdf5(error)
       call create_file(self%path//GROWING, self%file, error)
       if (allocated(error)) then
@@ -80,6 +83,7 @@ contains
       self%n_written = 0
       self%n_packing = 0
       self%n_held = 0
+      self%failed = .false.
       self%named = .false.
       self%started = wall_clock()
       self%flushed = self%started
@@ -131,7 +135,8 @@ contains
       call put_text(self%run, 'status', 'RUNNING', error)
    end subroutine put_start
 
-   !> Take one row. Errors: ERR_FILE when it cannot be written, ERR_INTERNAL when it does not fit
+   !> Take one row. Errors: ERR_FILE when it, or one before, cannot be written, ERR_INTERNAL when it
+   !> does not fit
    subroutine put_h5(self, row, error)
       class(sink_h5_t), intent(inout) :: self
       real(wp), intent(in) :: row(:)
@@ -148,7 +153,9 @@ contains
             ' values came to a history of '//str(self%n_value))
          return
       end if
-      if (self%n_chunk == 1) then
+      if (self%failed) then
+         call fail(error, ERR_FILE, 'an earlier row could not be written')
+      else if (self%n_chunk == 1) then
          call write_row(self, row, error)
       else
          self%n_held = self%n_held + 1
@@ -189,6 +196,7 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       call write_packing(self, error)
+      if (self%failed) return
       call pack_in_background(self%packer)
       self%n_packing = self%n_held
       self%n_held = 0
@@ -200,11 +208,13 @@ contains
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
-      if (self%n_packing == 0) return
-      call write_background(self%packer, self%n_written, error)
-      if (allocated(error)) error%file = self%path
-      self%n_written = self%n_written + self%n_packing
+      integer :: n
+
+      n = self%n_packing
       self%n_packing = 0
+      if (n == 0) return
+      call write_background(self%packer, self%n_written, error)
+      call note_written(self, n, error)
       if (self%reproducible) call make_readable(self, error)
    end subroutine write_packing
 
@@ -214,9 +224,9 @@ contains
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
-      if (self%n_held == 0) return
+      if (self%n_held == 0 .or. self%failed) return
       call write_buffer(self%packer, self%n_written, self%n_held, error)
-      if (allocated(error)) error%file = self%path
+      call note_written(self, 0, error)
    end subroutine write_held
 
    !> Write a row that is a chunk
@@ -226,10 +236,24 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       call write_rows(self%packer, self%n_written, 1, row, error)
-      if (allocated(error)) error%file = self%path
-      self%n_written = self%n_written + 1
+      call note_written(self, 1, error)
       if (self%reproducible) call make_readable(self, error)
    end subroutine write_row
+
+   !> A chunk of n rows was written, or the history ends before it: no rows come after a hole
+   subroutine note_written(self, n, error)
+      class(sink_h5_t), intent(inout) :: self
+      integer, intent(in) :: n
+      type(error_t), allocatable, intent(inout) :: error
+
+      self%failed = allocated(error)
+      if (self%failed) then
+         error%file = self%path
+         self%n_held = 0
+      else
+         self%n_written = self%n_written + n
+      end if
+   end subroutine note_written
 
    !> Give the file its final name, replacing an older history. Errors: ERR_FILE
    subroutine take_name(self, error)
