@@ -28,7 +28,7 @@ module kj_sink_h5
       character(len=:), allocatable :: path           !! of the history
       character(len=:), allocatable :: command_line   !! kept in /run
       logical :: reproducible = .false.               !! equal runs write equal bytes
-      integer :: n_threads = 1                        !! that pack chunks; kept in /run
+      integer :: n_threads = 1        !! of the run, kept in /run; they pack rows as big as a chunk
       ! own
       integer(hid_t), private :: file = -1, run = -1           !! /run
       type(packer_t), private :: packer
