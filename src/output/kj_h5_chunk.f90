@@ -14,7 +14,7 @@ module kj_h5_chunk
    implicit none
    private
 
-   public :: packer_t, new_packer, free_packer, hold_row, pack_in_background, write_background, &
+   public :: packer_t, new_packer, free_packer, find_row, pack_in_background, write_background, &
       write_buffer, write_rows
 
    integer, parameter :: MOST_AT_ONCE = 16       !! columns packed before any is written: big rows
@@ -190,23 +190,14 @@ contains
       end do
    end subroutine add_columns
 
-   !> Keep a row in the buffer as its row i
-   subroutine hold_row(packer, i, row)
-      type(packer_t), intent(inout) :: packer
+   !> Where row i of the buffer is written
+   subroutine find_row(packer, i, row)
+      type(packer_t), intent(in) :: packer
       integer, intent(in) :: i
-      real(wp), contiguous, intent(in) :: row(:)
+      real(wp), pointer, contiguous, intent(out) :: row(:)
 
-      call copy(packer%n_value, row, packer%buffer(:, i))
-   end subroutine hold_row
-
-   !> A copy without strides, which the compiler leaves to memcpy
-   pure subroutine copy(n, from, to)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: from(n)
-      real(wp), intent(out) :: to(n)
-
-      to = from
-   end subroutine copy
+      row => packer%buffer(:, i)
+   end subroutine find_row
 
    !> The buffer is full: pack it in the background and go on with the other. write_background comes
    !> before the next of these.

@@ -17,7 +17,7 @@ module kj_sink_h5
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
       create_group, put_text, put_number
    use kj_h5_layout, only: write_layout
-   use kj_h5_chunk, only: packer_t, new_packer, free_packer, hold_row, pack_in_background, &
+   use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
       write_background, write_buffer, write_rows
    implicit none
    private
@@ -42,6 +42,8 @@ module kj_sink_h5
    contains
       procedure :: open => open_h5
       procedure :: put => put_h5
+      procedure :: begin_row => begin_row_h5
+      procedure :: end_row => end_row_h5
       procedure :: flush => flush_h5
       procedure :: close => close_h5
    end type sink_h5_t
@@ -142,7 +144,7 @@ contains
       real(wp), intent(in) :: row(:)
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: now
+      real(wp), pointer, contiguous :: room(:)
 
       if (self%file < 0) then
          call fail(error, ERR_INTERNAL, 'a row came to a history that is not open')
@@ -153,21 +155,50 @@ contains
             ' values came to a history of '//str(self%n_value))
          return
       end if
-      if (self%failed) then
+      call self%begin_row(room)
+      if (associated(room)) then
+         room = row
+         call self%end_row(error)
+      else if (self%failed) then
          call fail(error, ERR_FILE, 'an earlier row could not be written')
-      else if (self%n_chunk == 1) then
-         call write_row(self, row, error)
       else
-         self%n_held = self%n_held + 1
-         call hold_row(self%packer, self%n_held, row)
-         if (self%n_held == self%n_chunk) call hand_over(self, error)
+         call write_row(self, row, error)
+         call flush_in_time(self, error)
       end if
+   end subroutine put_h5
+
+   !> Room in the buffer, where a chunk has more than one row
+   subroutine begin_row_h5(self, row)
+      class(sink_h5_t), intent(inout) :: self
+      real(wp), pointer, contiguous, intent(out) :: row(:)
+
+      row => null()
+      if (self%file < 0 .or. self%failed .or. self%n_chunk == 1) return
+      call find_row(self%packer, self%n_held + 1, row)
+   end subroutine begin_row_h5
+
+   !> Count the row that was written into the buffer. Errors: ERR_FILE when a chunk is not written
+   subroutine end_row_h5(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      self%n_held = self%n_held + 1
+      if (self%n_held == self%n_chunk) call hand_over(self, error)
+      call flush_in_time(self, error)
+   end subroutine end_row_h5
+
+   !> Flush when the next row, as far away as this one was, would come too late
+   subroutine flush_in_time(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      real(wp) :: now
+
       if (self%reproducible .or. allocated(error)) return
-      ! flush when the next row, as far away as this one was, would come too late
       now = wall_clock()
       if (2.0_wp*now - self%last_put - self%flushed >= FLUSH_SECONDS) call self%flush(error)
       self%last_put = now
-   end subroutine put_h5
+   end subroutine flush_in_time
 
    !> Make every row taken so far readable by others. Errors: ERR_FILE
    subroutine flush_h5(self, error)
