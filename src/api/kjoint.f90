@@ -104,6 +104,7 @@ module kjoint
       type(part_t), allocatable :: part(:)      !! its parts; empty: one step for all
       type(history_t) :: history
       type(sampler_t) :: sampler
+      real(wp), allocatable :: row(:)           !! the last sample, where the sink has no room
       character(len=:), allocatable :: root     !! name of the deck without _0000.rad
       logical :: loaded = .false.               !! can be run
       logical :: started = .false.              !! is stepped by the host

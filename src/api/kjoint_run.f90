@@ -51,6 +51,7 @@ contains
       clock = wall_clock()
       call monitor%tick(status, ignored)
       call end_history(sink, stop, status%cycle, error, sink_error)
+      if (allocated(sim%row)) deallocate (sim%row)
       status%wall_output = status%wall_output + wall_clock() - clock
    end procedure run_simulation
 
@@ -265,7 +266,7 @@ contains
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp), allocatable :: row(:)
+      real(wp), pointer, contiguous :: row(:)
       real(wp) :: now
 
       now = wall_clock()
@@ -278,9 +279,15 @@ contains
          end if
          call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
       end if
-      allocate (row(sim%history%n_value))
-      call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
-      if (.not. allocated(error)) call sink%put(row, error)
+      call sink%begin_row(row)
+      if (associated(row)) then
+         call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
+         if (.not. allocated(error)) call sink%end_row(error)
+      else
+         if (.not. allocated(sim%row)) allocate (sim%row(sim%history%n_value))
+         call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, sim%row, error)
+         if (.not. allocated(error)) call sink%put(sim%row, error)
+      end if
       clock = wall_clock()
       status%wall_output = status%wall_output + clock - now
       status%n_sample = status%n_sample + 1

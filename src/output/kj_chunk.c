@@ -12,16 +12,15 @@
 #include <isa-l/igzip_lib.h>
 #endif
 #include <zlib.h>
+#include "kj_chunk.h"
 
 enum { SAMPLE = 4096, MOST_STORED = 65535, SLACK = 1024 };
 
-/* Bytes that a packed chunk of `bytes` may take at most */
 size_t kj_chunk_bound(size_t bytes)
 {
    return bytes + bytes/8 + SLACK;
 }
 
-/* Bytes that kj_pack_chunk needs to work with */
 size_t kj_chunk_work(size_t bytes)
 {
 #ifdef KJOINT_ISAL
@@ -144,10 +143,6 @@ static uint32_t checksum(size_t n, const unsigned char *p)
 #endif
 }
 
-/* Pack a chunk of `rows_full` rows of `n_full` values of `size` bytes (real: 8 bytes as they are;
-   exact: equal rows are equal bytes). Given are `rows` rows of `n` values, each `stride` after the
-   one before; the others are 0.
-   work: kj_chunk_work bytes, packed: kj_chunk_bound bytes. Returns the bytes packed, 0 on failure. */
 size_t kj_pack_chunk(int exact, int real, int size, size_t n, size_t n_full, size_t rows,
    size_t rows_full, const double *values, size_t stride, unsigned char *work,
    unsigned char *packed)

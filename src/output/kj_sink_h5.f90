@@ -1,5 +1,6 @@
-!> The sink that writes a history file. Rows are held until a chunk is full, then written in whole
-!> chunks; at least every FLUSH_SECONDS what is there becomes readable by others.
+!> The sink that writes a history file. Rows are held until a chunk is full; a thread in the
+!> background packs it, and it is written when the next one is full. At least every FLUSH_SECONDS
+!> what is there becomes readable by others. HDF5 is called by the caller's thread alone.
 !>
 !> The file grows under a name of its own beside `path` and takes that name at the first flush, so
 !> that an older history is lost only to a run that got going.
@@ -10,13 +11,14 @@ module kj_sink_h5
    use kj_version, only: KJOINT_VERSION
    use kj_system, only: rename_file, remove_file, host_name, date_time, wall_clock
    use kj_utf8, only: as_utf8
-   use kj_channels, only: AS_F64, AS_I32, AS_I64, CH_TIME
+   use kj_channels, only: AS_F64, AS_I32, AS_I64
    use kj_history, only: history_t
    use kj_sink, only: sink_t
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
       create_group, put_text, put_number
    use kj_h5_layout, only: write_layout
-   use kj_h5_chunk, only: packer_t, new_packer, write_rows
+   use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
+      write_background, write_buffer, write_rows
    implicit none
    private
 
@@ -26,19 +28,22 @@ module kj_sink_h5
       character(len=:), allocatable :: path           !! of the history
       character(len=:), allocatable :: command_line   !! kept in /run
       logical :: reproducible = .false.               !! equal runs write equal bytes
-      integer :: n_threads = 1                        !! that pack chunks; kept in /run
+      integer :: n_threads = 1        !! of the run, kept in /run; they pack rows as big as a chunk
       ! own
       integer(hid_t), private :: file = -1, run = -1           !! /run
       type(packer_t), private :: packer
       integer, private :: n_value = 0, n_chunk = 1             !! reals in a row, rows in a chunk
-      real(wp), allocatable, private :: buffer(:, :)           !! (n_value, n_chunk)
       integer, private :: n_written = 0                        !! rows in chunks that are full
+      integer, private :: n_packing = 0                        !! rows packed in the background
       integer, private :: n_held = 0                           !! rows in the buffer
+      logical, private :: failed = .false.                     !! a row could not be written
       logical, private :: named = .false.                      !! the file has its final name
       real(wp), private :: started = 0.0_wp, flushed = 0.0_wp, last_put = 0.0_wp  !! wall clock [s]
    contains
       procedure :: open => open_h5
       procedure :: put => put_h5
+      procedure :: begin_row => begin_row_h5
+      procedure :: end_row => end_row_h5
       procedure :: flush => flush_h5
       procedure :: close => close_h5
    end type sink_h5_t
@@ -67,6 +72,7 @@ contains
          call fail(error, ERR_FILE, '"'//self%path//'" is no name for a history file')
          return
       end if
+      if (self%file >= 0) call close_file(self%file, closing)   ! a run that was given up
       call start_hdf5(error)
       call create_file(self%path//GROWING, self%file, error)
       if (allocated(error)) then
@@ -76,11 +82,10 @@ contains
 
       self%n_value = history%n_value
       self%n_chunk = rows_in_chunk(history)
-      ! a chunk of one row is written from where it is
-      if (allocated(self%buffer)) deallocate (self%buffer)
-      if (self%n_chunk > 1) allocate (self%buffer(self%n_value, self%n_chunk))
       self%n_written = 0
+      self%n_packing = 0
       self%n_held = 0
+      self%failed = .false.
       self%named = .false.
       self%started = wall_clock()
       self%flushed = self%started
@@ -88,11 +93,11 @@ contains
 
       allocate (series(size(history%variable)))
       call write_layout(self%file, history, self%n_chunk, series, error)
-      call new_packer(history%variable, series, &
-         findloc(history%variable%channel, CH_TIME, dim=1), self%n_chunk, self%n_threads, &
-         self%reproducible, self%packer)
+      call new_packer(history, series, self%n_chunk, self%n_threads, self%reproducible, &
+         self%packer, error)
       call put_start(self, error)
       if (allocated(error)) then
+         call free_packer(self%packer)
          call close_file(self%file, closing)
          call remove_file(self%path//GROWING)
       end if
@@ -132,13 +137,14 @@ contains
       call put_text(self%run, 'status', 'RUNNING', error)
    end subroutine put_start
 
-   !> Take one row. Errors: ERR_FILE when it cannot be written, ERR_INTERNAL when it does not fit
+   !> Take one row. Errors: ERR_FILE when it, or one before, cannot be written, ERR_INTERNAL when it
+   !> does not fit
    subroutine put_h5(self, row, error)
       class(sink_h5_t), intent(inout) :: self
       real(wp), intent(in) :: row(:)
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: now
+      real(wp), pointer, contiguous :: room(:)
 
       if (self%file < 0) then
          call fail(error, ERR_INTERNAL, 'a row came to a history that is not open')
@@ -149,26 +155,50 @@ contains
             ' values came to a history of '//str(self%n_value))
          return
       end if
-      if (self%n_chunk == 1) then
-         call write_row(self, row, error)
+      call self%begin_row(room)
+      if (associated(room)) then
+         room = row
+         call self%end_row(error)
+      else if (self%failed) then
+         call fail(error, ERR_FILE, 'an earlier row could not be written')
       else
-         self%n_held = self%n_held + 1
-         self%buffer(:, self%n_held) = row
+         call write_row(self, row, error)
+         call flush_in_time(self, error)
       end if
-
-      if (self%reproducible) then
-         if (modulo(self%n_held, self%n_chunk) == 0) call self%flush(error)
-         return
-      end if
-      ! flush when the next row, as far away as this one was, would come too late
-      now = wall_clock()
-      if (2.0_wp*now - self%last_put - self%flushed >= FLUSH_SECONDS) then
-         call self%flush(error)
-      else if (self%n_held == self%n_chunk) then
-         call write_held(self, error)
-      end if
-      self%last_put = now
    end subroutine put_h5
+
+   !> Room in the buffer, where a chunk has more than one row
+   subroutine begin_row_h5(self, row)
+      class(sink_h5_t), intent(inout) :: self
+      real(wp), pointer, contiguous, intent(out) :: row(:)
+
+      row => null()
+      if (self%file < 0 .or. self%failed .or. self%n_chunk == 1) return
+      call find_row(self%packer, self%n_held + 1, row)
+   end subroutine begin_row_h5
+
+   !> Count the row that was written into the buffer. Errors: ERR_FILE when a chunk is not written
+   subroutine end_row_h5(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      self%n_held = self%n_held + 1
+      if (self%n_held == self%n_chunk) call hand_over(self, error)
+      call flush_in_time(self, error)
+   end subroutine end_row_h5
+
+   !> Flush when the next row, as far away as this one was, would come too late
+   subroutine flush_in_time(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      real(wp) :: now
+
+      if (self%reproducible .or. allocated(error)) return
+      now = wall_clock()
+      if (2.0_wp*now - self%last_put - self%flushed >= FLUSH_SECONDS) call self%flush(error)
+      self%last_put = now
+   end subroutine flush_in_time
 
    !> Make every row taken so far readable by others. Errors: ERR_FILE
    subroutine flush_h5(self, error)
@@ -176,25 +206,58 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (self%file < 0) return
+      call write_packing(self, error)
       call write_held(self, error)
+      call make_readable(self, error)
+   end subroutine flush_h5
+
+   !> Make what is written readable by others
+   subroutine make_readable(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
       call flush_file(self%file, error)
       if (.not. allocated(error)) call take_name(self, error)
       self%flushed = wall_clock()
-   end subroutine flush_h5
+   end subroutine make_readable
 
-   !> Write the rows in the buffer, time last: a reader finds at least as many rows of the rest.
-   !> A part of a chunk stays in the buffer and is written again with the rest of the chunk.
+   !> The buffer is full: write the chunk before, leave this one to the background
+   subroutine hand_over(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      call write_packing(self, error)
+      if (self%failed) return
+      call pack_in_background(self%packer)
+      self%n_packing = self%n_held
+      self%n_held = 0
+   end subroutine hand_over
+
+   !> Write the chunk that the background packs, time last: a reader finds at least as many rows of
+   !> the rest. Reproducible files are flushed here, by rows instead of by the clock.
+   subroutine write_packing(self, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: n
+
+      n = self%n_packing
+      self%n_packing = 0
+      if (n == 0) return
+      call write_background(self%packer, self%n_written, error)
+      call note_written(self, n, error)
+      if (self%reproducible) call make_readable(self, error)
+   end subroutine write_packing
+
+   !> Write the rows in the buffer, part of a chunk: they stay there and are written again with the
+   !> rest of it
    subroutine write_held(self, error)
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
-      if (self%n_held == 0) return
-      call write_rows(self%packer, self%n_written, self%n_value, self%n_held, &
-         self%buffer, error)
-      if (allocated(error)) error%file = self%path
-      if (self%n_held < self%n_chunk) return
-      self%n_written = self%n_written + self%n_held
-      self%n_held = 0
+      if (self%n_held == 0 .or. self%failed) return
+      call write_buffer(self%packer, self%n_written, self%n_held, error)
+      call note_written(self, 0, error)
    end subroutine write_held
 
    !> Write a row that is a chunk
@@ -203,10 +266,25 @@ contains
       real(wp), intent(in) :: row(:)
       type(error_t), allocatable, intent(inout) :: error
 
-      call write_rows(self%packer, self%n_written, self%n_value, 1, row, error)
-      if (allocated(error)) error%file = self%path
-      self%n_written = self%n_written + 1
+      call write_rows(self%packer, self%n_written, 1, row, error)
+      call note_written(self, 1, error)
+      if (self%reproducible) call make_readable(self, error)
    end subroutine write_row
+
+   !> A chunk of n rows was written, or the history ends before it: no rows come after a hole
+   subroutine note_written(self, n, error)
+      class(sink_h5_t), intent(inout) :: self
+      integer, intent(in) :: n
+      type(error_t), allocatable, intent(inout) :: error
+
+      self%failed = allocated(error)
+      if (self%failed) then
+         error%file = self%path
+         self%n_held = 0
+      else
+         self%n_written = self%n_written + n
+      end if
+   end subroutine note_written
 
    !> Give the file its final name, replacing an older history. Errors: ERR_FILE
    subroutine take_name(self, error)
@@ -231,8 +309,10 @@ contains
       logical :: empty
 
       if (self%file < 0) return
-      empty = self%n_written + self%n_held == 0
+      empty = self%n_written + self%n_packing + self%n_held == 0
+      call write_packing(self, error)
       call write_held(self, error)
+      call free_packer(self%packer)
       if (.not. self%reproducible) then
          call put_text(self%run, 'ended', date_time(), error)
          call put_number(self%run, 'elapsed_s', AS_F64, wall_clock() - self%started, error)

@@ -77,6 +77,16 @@ contains
 
       integer :: c, i
 
+      if (size(y, 1) == 3) then
+         do i = 1, size(roster%place)
+            associate (j => roster%place(i), k => roster%entity(i))
+               y(1, k) = from(j, 1)
+               y(2, k) = from(j, 2)
+               y(3, k) = from(j, 3)
+            end associate
+         end do
+         return
+      end if
       do c = 1, size(y, 1)
          do i = 1, size(roster%place)
             y(c, roster%entity(i)) = from(roster%place(i), c)
