@@ -145,7 +145,8 @@ contains
          call read_unit(text, i, units%si(i), units%symbol(i), found)
          if (.not. found) call report(deck, cards, name, SEV_ERROR, 'KJ-0573', &
             'the unit of '//trim(QUANTITY(i))//' is not understood', &
-            'expected: a prefix and '//'gms'(i:i)//', or the SI value', findings)
+            'expected: a prefix and '//'gms'(i:i)//', or the SI value, 1e-30 to 1e30', &
+            findings)
       end do
    end subroutine read_triple
 

@@ -115,7 +115,7 @@ contains
       end do
    end subroutine linear_accelerations
 
-   !> y := y/m, 0 where m is
+   !> y := y/m, 0 where m is; no division by 0, which a host may trap
    pure subroutine divide(n, m, y)
       integer, intent(in) :: n
       real(wp), intent(in) :: m(n)
@@ -125,7 +125,7 @@ contains
 
       !$omp simd
       do i = 1, n
-         y(i) = merge(y(i)/m(i), 0.0_wp, m(i) > 0.0_wp)
+         y(i) = merge(y(i), 0.0_wp, m(i) > 0.0_wp)/merge(m(i), 1.0_wp, m(i) > 0.0_wp)
       end do
    end subroutine divide
 
