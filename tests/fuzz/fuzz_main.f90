@@ -159,19 +159,21 @@ contains
 
    !> A bound renewed where nothing has moved: never longer, and shorter by 1 - 6^(-1/512) at most
    !> (Runge-Kutta: at most twice that, stiffness and damping each have their share); or as
-   !> short as a step of the largest real can be, where the eigenvalue is no number
+   !> short as a step of the largest real can be, where the eigenvalue is no number. Beyond LONGEST
+   !> there may be no limit at all.
    subroutine renew_in_place(c, state, bound)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(inout) :: state
       type(bound_t), intent(inout) :: bound
 
-      real(wp), parameter :: ROUNDING = 1.0e-9_wp, SHORTEST = 2.1_wp/sqrt(huge(1.0_wp))
+      real(wp), parameter :: ROUNDING = 1.0e-9_wp, SHORTEST = 2.1_wp/sqrt(huge(1.0_wp)), &
+         LONGEST = 8.0e149_wp
       real(wp) :: first(size(bound%limit))
       integer :: i
 
       first = bound%limit
       call renew_bound(c, state, bound)
-      if (any(bound%limit > (1.0_wp + ROUNDING)*first) .or. &
+      if (any(bound%limit > (1.0_wp + ROUNDING)*first .and. first < LONGEST) .or. &
          any(bound%limit < (6.0_wp**(-1.0_wp/256.0_wp) - ROUNDING)*first .and. &
          bound%limit > SHORTEST)) then
          print '(2es24.16)', (first(i), bound%limit(i), i=1, size(first))
