@@ -76,6 +76,7 @@ contains
       if (sim%legacy) then
          sim%state%v(b, :) = velocity
          sim%state%world%w(b, :) = omega
+         sim%state%fastest = max(sim%state%fastest, dot_product(omega, omega))
       else
          p = reshape(columns(sim%c_state%poses%quat(b, :)), [3, 3])
          sim%c_state%v(b, :) = velocity

@@ -1,5 +1,6 @@
 !> A scene that its host steps, samples and asks.
 submodule (kjoint:kjoint_run) kjoint_step
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_math3, only: to_quaternion
    use kj_joint_types, only: joint_types
    use kj_channels, only: channels, groups

@@ -7,6 +7,8 @@ module kj_c_advance
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE
    use kj_c_batch, only: c_batch_t, CHART_VECTOR
    use kj_c_state, only: c_model_t, c_state_t
+   use kj_joint_frame, only: BLOCK
+   use kj_c_chart, only: quaternion_frame
    use kj_c_body, only: spin_velocity
    use kj_c_hold, only: held_force
    use kj_c_bound, only: bound_t, new_bound, renew_bound, has_moved
@@ -155,11 +157,13 @@ contains
 
       do b = 1, size(c%batch)
          if (c%batch(b)%chart /= CHART_VECTOR) cycle
-         do i = 1, c%batch(b)%n
-            if (.not. needs_angles(c%batch(b), i)) cycle
-            joint = c%batch(b)%first + i
-            if (norm2(state%joint(b)%q(i, 4:6)) > NEAR) return
-         end do
+         associate (q => state%joint(b)%q)
+            do i = 1, c%batch(b)%n
+               if (.not. q(i, 4)**2 + q(i, 5)**2 + q(i, 6)**2 > NEAR**2) cycle
+               joint = c%batch(b)%first + i
+               if (needs_angles(c%batch(b), i)) return
+            end do
+         end associate
       end do
       joint = 0
    end function full_turn
@@ -203,19 +207,39 @@ contains
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(in) :: state
 
-      real(wp) :: f(3), t(model%n_lead, 3), w(model%n_lead, 3)
-      integer :: i
+      real(wp) :: part((model%n_lead + BLOCK - 1)/BLOCK)
+      integer :: b
 
-      q = 0.0_wp
-      t = state%t
-      do i = 1, model%n_lead
-         f = state%f(i, :)
-         if (c%hold_of(i) > 0) call held_force(c, state, c%hold_of(i), f, t(i, :))
-         q = q + c%im(i)*dot_product(f, f)
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
+      do b = 1, size(part)
+         part(b) = kick_of(c, state, BLOCK*(b - 1) + 1, min(BLOCK*b, model%n_lead))
       end do
-      call spin_velocity(c, state%poses%quat, t, 1, model%n_lead, w)
-      q = q + sum(t*w)
+      q = sum(part)
    end function kick_term
+
+   !> The same of leads lo..hi, a block or less
+   real(wp) function kick_of(c, state, lo, hi) result(q)
+      type(c_model_t), intent(in) :: c
+      type(c_state_t), intent(in) :: state
+      integer, intent(in) :: lo, hi
+
+      real(wp) :: f(3), t(3), quat(BLOCK, 4), e(BLOCK, 9)
+      integer :: i, k, n
+
+      n = hi - lo + 1
+      q = 0.0_wp
+      quat(:n, :) = state%poses%quat(lo:hi, :)
+      call quaternion_frame(n, quat, e)
+      do i = 1, n
+         f = state%f(lo + i - 1, :)
+         t = state%t(lo + i - 1, :)
+         if (c%hold_of(lo + i - 1) > 0) call held_force(c, state, c%hold_of(lo + i - 1), f, t)
+         q = q + c%im(lo + i - 1)*dot_product(f, f)
+         do k = 1, 3
+            q = q + c%ii(lo + i - 1, k)*dot_product(e(i, 3*k - 2:3*k), t)**2
+         end do
+      end do
+   end function kick_of
 
    !> Ledger S = kinetic + work on joints + potential - external work - h^2/8 kick term, and its
    !> change since the start over the largest kinetic + elastic + |work| so far

@@ -14,6 +14,7 @@ module kj_c_build
    use kj_c_state, only: c_model_t, c_state_t, row_t
    use kj_c_collect, only: collect_holds
    use kj_c_hold, only: motion_targets, project_all, WHOLE
+   use kj_gravity, only: new_gravity
    use kj_c_step, only: find_forces
    use kj_c_build_limit, only: build_limits, direction_inertia, start_energies
    implicit none
@@ -42,8 +43,8 @@ contains
       do b = 1, size(model%batch)
          call build_batch(model, c, model%batch(b), c%batch(b))
       end do
-      call new_team(model%control%threads, model%control%least_share, model%batch%n, &
-         model%n_lead, c%team)
+      call new_team(model%control%threads, model%control%least_share, model%batch%n, c%n_joint, &
+         c%team)
       c%damped = any([(c%batch(b)%damped, b=1, size(c%batch))])
       c%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
       c%placed = [integer ::]
@@ -279,7 +280,11 @@ contains
       end do
       allocate (state%wrench(N_C_WRENCH, model%n_element), state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
-         state%field(3, size(model%gravity)), source=0.0_wp)
+         source=0.0_wp)
+      allocate (state%field(size(model%gravity)))
+      do i = 1, size(model%gravity)
+         call new_gravity(model%gravity(i)%node, model%n_lead, state%field(i))
+      end do
       allocate (state%load_place, source=state%load_force)
       call start_motions(model, state)
       allocate (state%kept%rates(6, size(c%hold)), state%kept%quat(4, size(c%hold)), &

@@ -6,10 +6,11 @@ module kj_c_load
    use kj_model, only: model_t, load_t, BY_TIME, BY_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_c_state, only: c_model_t, c_state_t
+   use kj_gravity, only: add_weights, add_powers
    implicit none
    private
 
-   public :: add_loads, add_field, load_power, field_at
+   public :: add_loads, find_gravity, add_gravity, count_gravity, load_power, field_at
 
 contains
 
@@ -76,29 +77,50 @@ contains
       force = load%y_scale*load_value(model%curves, load%curve, x/load%x_scale)*axis
    end function load_vector
 
-   !> Gravity as a force on its leads; the work of a field that changes counts as external
-   subroutine add_field(model, c, h, state)
+   !> Acceleration of each card of gravity in the pose reached, and its mean over the step
+   pure subroutine find_gravity(model, state)
       type(model_t), intent(in) :: model
+      type(c_state_t), intent(inout) :: state
+
+      real(wp) :: g(3)
+      integer :: i
+
+      do i = 1, size(model%gravity)
+         g = field_at(model, state, model%gravity(i))
+         state%field(i)%mean = 0.5_wp*(g + state%field(i)%now)
+         state%field(i)%now = g
+      end do
+   end subroutine find_gravity
+
+   !> Gravity as a force on the leads lo..hi; lo is the first lead of a block of kj_gravity
+   pure subroutine add_gravity(model, c, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: i
+
+      do i = 1, size(model%gravity)
+         call add_weights(lo, hi, model%n_lead, model%mass, state%field(i), state%f, state%own_f)
+         if (c%steady(i) .or. .not. state%by_steps) cycle
+         call add_powers(lo, hi, model%n_lead, model%n_lead, model%mass, state%v, state%field(i))
+      end do
+   end subroutine add_gravity
+
+   !> The work over the step of gravity that changes counts as external
+   pure subroutine count_gravity(c, h, state)
       type(c_model_t), intent(in) :: c
       real(wp), intent(in) :: h
       type(c_state_t), intent(inout) :: state
 
-      real(wp) :: g(3)
-      integer :: i, k, lead
+      integer :: i
 
-      do i = 1, size(model%gravity)
-         g = field_at(model, state, model%gravity(i))
-         do k = 1, size(model%gravity(i)%node)
-            lead = model%gravity(i)%node(k)
-            state%f(lead, :) = state%f(lead, :) + model%mass(lead)*g
-            state%own_f(lead, :) = state%own_f(lead, :) + model%mass(lead)*g
-            if (c%steady(i) .or. .not. state%by_steps) cycle
-            state%work = state%work + 0.5_wp*model%mass(lead)* &
-               dot_product(g + state%field(:, i), h*state%v(lead, :))
-         end do
-         state%field(:, i) = g
+      if (.not. state%by_steps) return
+      do i = 1, size(c%steady)
+         if (.not. c%steady(i)) state%work = state%work + h*sum(state%field(i)%power)
       end do
-   end subroutine add_field
+   end subroutine count_gravity
 
    !> Power of concentrated loads and of a changing field, with the velocities of the poses
    real(wp) function load_power(model, c, state) result(power)
@@ -130,7 +152,7 @@ contains
          if (c%steady(i)) cycle
          do k = 1, size(model%gravity(i)%node)
             lead = model%gravity(i)%node(k)
-            power = power + model%mass(lead)*dot_product(state%field(:, i), state%poses%v(lead, :))
+            power = power + model%mass(lead)*dot_product(state%field(i)%now, state%poses%v(lead, :))
          end do
       end do
    end function load_power

@@ -6,6 +6,7 @@ module kj_c_state
    use kj_model, only: model_t
    use kj_c_batch, only: c_batch_t, c_joint_t
    use kj_c_matrix, only: poses_t
+   use kj_gravity, only: gravity_t
    implicit none
    private
 
@@ -84,7 +85,7 @@ module kj_c_state
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads
       real(wp), allocatable :: load_force(:, :), load_place(:, :)
-      real(wp), allocatable :: field(:, :)       !! (3, gravity cards) acceleration in the last step
+      type(gravity_t), allocatable :: field(:)     !! cards of gravity
       ! ledger
       real(wp) :: work = 0.0_wp                  !! of loads and imposed motion
       logical :: by_steps = .true.               !! work of loads by mean force times displacement

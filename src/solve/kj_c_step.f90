@@ -8,7 +8,8 @@ module kj_c_step
    use kj_c_force, only: add_springs
    use kj_c_damper, only: add_dampers
    use kj_c_state, only: c_model_t, c_state_t
-   use kj_c_load, only: add_loads, add_field
+   use kj_team, only: GRAIN
+   use kj_c_load, only: add_loads, find_gravity, add_gravity, count_gravity
    use kj_c_host, only: add_host_loads, look_ahead
    use kj_c_leads, only: move_leads, open_leads, look_leads, kick_leads, gather
    use kj_c_hold, only: project_rates, motion_targets, count_work
@@ -18,8 +19,9 @@ module kj_c_step
    public :: c_step, find_forces, place_node, reach_motions
 
    !> Stages of a step that threads share, lead by lead or joint by joint
-   integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 3, LOOK = 4, KICKING = 5, LAST_OF_LEADS = 5
-   integer, parameter :: SPRINGS = 6, DAMPERS = 7
+   integer, parameter :: MOVE = 1, OPEN = 2, LOOK = 3, MEET = 4, GATHERING = 5, KICKING = 6, &
+      LAST_OF_LEADS = 6
+   integer, parameter :: SPRINGS = 7, DAMPERS = 8
 
    !> What the stages of a step are told
    type :: step_t
@@ -86,15 +88,16 @@ contains
       type(c_state_t), intent(inout) :: state
 
       call place_nodes(model, c, state)
+      call find_gravity(model, state)
       state%poses%time = state%time
       state%poses%h = step%h
       call in_pieces(SPRINGS, model, c, step, state)
-      call in_pieces(GATHERING, model, c, step, state)
+      call in_pieces(MEET, model, c, step, state)
+      call count_gravity(c, step%h, state)
       call add_loads(model, state)
-      call add_field(model, c, step%h, state)
       call add_host_loads(step%h, state)
       if (.not. c%damped) return
-      call in_pieces(LOOK, model, c, step, state)
+      if (is_loaded(model, state)) call in_pieces(LOOK, model, c, step, state)
       call look_ahead(c, step%h, state)
       call project_rates(c, state, step%target, step%active)
       call in_pieces(DAMPERS, model, c, step, state)
@@ -109,19 +112,21 @@ contains
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      integer :: piece, n
+      integer :: shares(0:c%team%threads), share, piece
 
-      n = size(c%team%joint, 2)
-      if (stage <= LAST_OF_LEADS) n = size(c%team%lead, 2)
+      shares = c%team%joints
+      if (stage <= LAST_OF_LEADS) shares = c%team%leads
       if (c%team%threads == 1) then
-         do piece = 1, n
+         do piece = 1, shares(1)
             call work_on(stage, piece, model, c, step, state)
          end do
          return
       end if
-      !$omp parallel do schedule(static) num_threads(c%team%threads)
-      do piece = 1, n
-         call work_on(stage, piece, model, c, step, state)
+      !$omp parallel do schedule(static, 1) num_threads(c%team%threads) private(piece)
+      do share = 1, c%team%threads
+         do piece = shares(share - 1) + 1, shares(share)
+            call work_on(stage, piece, model, c, step, state)
+         end do
       end do
    end subroutine in_pieces
 
@@ -148,6 +153,8 @@ contains
          call move_leads(model, c, step%midpoint, step%h, step%target, step%active, lo, hi, state)
       case (OPEN)
          call open_leads(c, step%h, lo, hi, state)
+      case (MEET)
+         call meet_leads(model, c, step%h, lo, hi, state)
       case (GATHERING)
          call gather(model%map, state%wrench, lo, hi, state%f, state%t)
       case (LOOK)
@@ -162,6 +169,33 @@ contains
             state%wrench)
       end select
    end subroutine work_on
+
+   !> Forces of joints and gravity on the leads lo..hi of a piece, and what the dampers look at
+   !> where nothing else is to come
+   subroutine meet_leads(model, c, h, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: from, to
+
+      do from = lo, hi, GRAIN
+         to = min(from + GRAIN - 1, hi)
+         call gather(model%map, state%wrench, from, to, state%f, state%t)
+         call add_gravity(model, c, from, to, state)
+         if (c%damped .and. .not. is_loaded(model, state)) call look_leads(c, h, from, to, state)
+      end do
+   end subroutine meet_leads
+
+   !> Loads act on leads beside joints and gravity
+   pure logical function is_loaded(model, state)
+      type(model_t), intent(in) :: model
+      type(c_state_t), intent(in) :: state
+
+      is_loaded = size(model%cload) > 0 .or. allocated(state%f_host)
+   end function is_loaded
 
    !> What imposed displacements and accelerations have reached
    subroutine reach_motions(model, h, mean, final, active, state)

@@ -11,7 +11,7 @@ module kj_load
    implicit none
    private
 
-   public :: add_cloads, add_gravity, gravity_at, hold_conditions, impose_motion
+   public :: add_cloads, find_gravity, gravity_at, hold_conditions, impose_motion
 
 contains
 
@@ -132,42 +132,21 @@ contains
          axis_of(state%world%skew, load%skew, load%dir)
    end function gravity_at
 
-   !> Add gravity to the accelerations of its leads, and its work over the last step
-   subroutine add_gravity(model, state)
+   !> Acceleration of each card of gravity now, and its mean with that of the last cycle
+   pure subroutine find_gravity(model, state)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
 
-      real(wp) :: g(3), mean(3), work
       integer :: i
 
       do i = 1, size(model%gravity)
-         g = gravity_at(model, state, model%gravity(i), state%time)
-         mean = 0.5_wp*(g + gravity_at(model, state, model%gravity(i), &
-            max(0.0_wp, state%time - state%h1)))
-         call add_field(model%gravity(i)%node, g, mean, size(state%v, 1), size(state%a, 1), &
-            state%mass, state%v, state%a, work)
-         state%work = state%work + work*state%h1
+         associate (field => state%field(i))
+            field%now = gravity_at(model, state, model%gravity(i), state%time)
+            field%mean = 0.5_wp*(field%now + gravity_at(model, state, model%gravity(i), &
+               max(0.0_wp, state%time - state%h1)))
+         end associate
       end do
-   end subroutine add_gravity
-
-   !> a += g of the leads of a card, and the power of the mean acceleration
-   pure subroutine add_field(lead, g, mean, n_node, n_lead, mass, v, a, power)
-      integer, intent(in) :: lead(:)
-      real(wp), intent(in) :: g(3), mean(3)
-      integer, intent(in) :: n_node, n_lead
-      real(wp), intent(in) :: mass(n_lead), v(n_node, 3)
-      real(wp), intent(inout) :: a(n_lead, 3)
-      real(wp), intent(out) :: power
-
-      integer :: k, i
-
-      power = 0.0_wp
-      do k = 1, size(lead)
-         i = lead(k)
-         a(i, :) = a(i, :) + g
-         power = power + mass(i)*(mean(1)*v(i, 1) + mean(2)*v(i, 2) + mean(3)*v(i, 3))
-      end do
-   end subroutine add_field
+   end subroutine find_gravity
 
    !> Boundary conditions: the blocked components of acceleration and velocity become zero
    subroutine hold_conditions(model, state)

@@ -4,10 +4,11 @@
 !> t(n).
 module kj_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t, new_team
+   use kj_team, only: team_t, new_team, even_shares, GRAIN
    use kj_model, only: model_t
    use kj_joint_force, only: world_t, start_stiffness, N_WRENCH
    use kj_joint_batch, only: joint_state_t, new_joint_state
+   use kj_gravity, only: gravity_t, new_gravity
    implicit none
    private
 
@@ -25,6 +26,7 @@ module kj_state
       integer, allocatable :: node(:), lead(:)
       logical, allocatable :: kept(:)         !! its velocity and displacement are read, too
       logical, allocatable :: few(:)          !! its body has at most two secondary nodes
+      integer, allocatable :: shares(:)       !! (0:threads) of its pieces of GRAIN, see kj_team
    end type crew_t
 
    !> The state
@@ -60,6 +62,7 @@ module kj_state
       !> of each piece of leads, least m/k or I/k_r
       real(wp), allocatable :: least(:)
       integer, allocatable :: least_at(:)                  !! its lead, 0 = none
+      real(wp), allocatable :: fastest(:)                  !! of each piece, largest w**2 of a body
       type(crew_t) :: crew                                 !! secondary nodes that move
       ! bodies
       real(wp), allocatable :: p(:, :)                     !! (n_body, 9) principal axes, columns, W
@@ -71,7 +74,8 @@ module kj_state
       ! joints and springs
       type(joint_state_t), allocatable :: joint(:)         !! one a batch
       real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_element)
-      ! work of loads
+      ! loads
+      type(gravity_t), allocatable :: field(:)               !! cards of gravity
       !> of each imposed motion in the last cycle
       real(wp), allocatable :: motion_power(:)
       real(wp), allocatable :: motion_turn(:, :)           !! (n_motion, 3) sum of w h of its lead
@@ -135,10 +139,16 @@ contains
       allocate (state%mass, source=model%mass)
       allocate (state%inertia, source=model%inertia)
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
-         model%n_lead, state%team)
+         model%map%first(2:) - model%map%first(:model%n_lead), state%team)
       allocate (state%least(size(state%team%lead, 2)), source=huge(1.0_wp))
       allocate (state%least_at(size(state%team%lead, 2)), source=0)
+      allocate (state%fastest(size(state%team%lead, 2)), source=0.0_wp)
       call list_crew(model, state%crew)
+      state%crew%shares = even_shares((size(state%crew%node) + GRAIN - 1)/GRAIN, state%team%threads)
+      allocate (state%field(size(model%gravity)))
+      do i = 1, size(model%gravity)
+         call new_gravity(model%gravity(i)%node, model%n_lead, state%field(i))
+      end do
       allocate (state%p, source=model%axes)
       allocate (state%principal, source=model%principal)
       allocate (state%w_before(size(model%bcs), 3), source=0.0_wp)

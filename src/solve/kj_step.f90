@@ -8,10 +8,11 @@ module kj_step
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_state, only: state_t, EPS20
    use kj_team, only: GRAIN
+   use kj_gravity, only: add_accelerations
    use kj_skew, only: move_skews
    use kj_joint_force, only: add_joint_forces
    use kj_assembly, only: gather_wrenches
-   use kj_load, only: add_cloads, add_gravity, hold_conditions, impose_motion
+   use kj_load, only: add_cloads, find_gravity, hold_conditions, impose_motion
    use kj_body, only: turn_bodies, solve_conditioned, linear_accelerations, move_leads, &
       move_secondaries, check_turns
    use kj_time_step, only: choose_step, least_ratio
@@ -42,15 +43,18 @@ contains
       logical, intent(in) :: sampling        !! keep what only samples need
       type(error_t), allocatable, intent(out) :: error
 
+      integer :: i
+
       state%h1 = state%h2
       call add_all_joints(model, state, sampling)
+      call find_gravity(model, state)
       if (is_loaded(model, state)) then
-         call in_pieces(gather, size(state%team%lead, 2), model, state)
+         call in_pieces(gather, state%team%leads, model, state)
          call add_cloads(model, state)
          call add_host_loads(state)
-         call in_pieces(accelerate, size(state%team%lead, 2), model, state)
+         call in_pieces(accelerate, state%team%leads, model, state)
       else
-         call in_pieces(gather_and_accelerate, size(state%team%lead, 2), model, state)
+         call in_pieces(gather_and_accelerate, state%team%leads, model, state)
       end if
       call solve_conditioned(model, state)
       call choose_step(model, state)
@@ -58,8 +62,10 @@ contains
       if (.not. allocated(error)) call set_blocking(model, state, error)
       state%work = state%work + state%power*state%h2
       if (any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])) &
-         call in_pieces(accelerate_leads, size(state%team%lead, 2), model, state)
-      call add_gravity(model, state)
+         call in_pieces(accelerate_leads, state%team%leads, model, state)
+      do i = 1, size(state%field)
+         state%work = state%work + sum(state%field(i)%power)*state%h1
+      end do
       call hold_conditions(model, state)
       call impose_motion(model, state)
    end subroutine find_accelerations
@@ -75,8 +81,8 @@ contains
       integer :: i
 
       call check_turns(model, state, error)
-      call in_pieces(move_nodes, (size(state%crew%node) + GRAIN - 1)/GRAIN, model, state)
-      call in_pieces(move, size(state%team%lead, 2), model, state)
+      call in_pieces(move_nodes, state%crew%shares, model, state)
+      call in_pieces(move, state%team%leads, model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
             state%h2*state%world%w(model%motion(i)%lead, :)
@@ -93,7 +99,7 @@ contains
       logical, intent(in) :: sampling        !! keep the rates, too
 
       call add_all_joints(model, state, sampling)
-      call in_pieces(gather, size(state%team%lead, 2), model, state)
+      call in_pieces(gather, state%team%leads, model, state)
    end subroutine find_joint_forces
 
    !> Frames, forces and state of all joints
@@ -106,7 +112,7 @@ contains
       state%world%time = state%time
       state%world%h12 = state%h12
       state%sampling = sampling
-      call in_pieces(add_joints, size(state%team%joint, 2), model, state)
+      call in_pieces(add_joints, state%team%joints, model, state)
    end subroutine add_all_joints
 
    !> Forces or moments may act on leads themselves; f_own and m_own are 0 otherwise
@@ -133,23 +139,25 @@ contains
 
    !> Do a stage piece by piece: in threads, or without them. Even a team of one thread costs a
    !> microsecond, more than the stage of a few joints.
-   subroutine in_pieces(stage, n, model, state)
+   subroutine in_pieces(stage, shares, model, state)
       procedure(stage_i) :: stage
-      integer, intent(in) :: n               !! pieces
+      integer, intent(in) :: shares(0:)      !! pieces up to the end of each thread's share
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
 
-      integer :: piece
+      integer :: share, piece
 
       if (state%team%threads == 1) then
-         do piece = 1, n
+         do piece = 1, shares(1)
             call stage(model, state, piece)
          end do
          return
       end if
-      !$omp parallel do schedule(static) num_threads(state%team%threads)
-      do piece = 1, n
-         call stage(model, state, piece)
+      !$omp parallel do schedule(static, 1) num_threads(state%team%threads) private(piece)
+      do share = 1, state%team%threads
+         do piece = shares(share - 1) + 1, shares(share)
+            call stage(model, state, piece)
+         end do
       end do
    end subroutine in_pieces
 
@@ -200,7 +208,7 @@ contains
          state%angular_impulse(lo:last, k) = state%angular_impulse(lo:last, k) + &
             state%h1*state%m(lo:last, k)
       end do
-      call turn_bodies(is_loaded(model, state), lo, last, state)
+      call turn_bodies(is_loaded(model, state), lo, last, state, state%fastest(piece))
       call accelerate_leads(model, state, piece)
       if (model%control%nodal_step .or. model%control%joint_step) &
          call least_ratio(model, state, lo, hi, state%least(piece), state%least_at(piece))
@@ -220,8 +228,15 @@ contains
       type(state_t), intent(inout) :: state
       integer, intent(in) :: piece
 
-      call linear_accelerations(model, is_loaded(model, state), state%team%lead(1, piece), &
-         state%team%lead(2, piece), state)
+      integer :: lo, hi, i
+
+      lo = state%team%lead(1, piece)
+      hi = state%team%lead(2, piece)
+      call linear_accelerations(model, is_loaded(model, state), lo, hi, state)
+      do i = 1, size(state%field)
+         call add_accelerations(lo, hi, size(state%a, 1), size(state%v, 1), state%mass, state%v, &
+            state%field(i), state%a)
+      end do
    end subroutine accelerate_leads
 
    !> New positions of secondary nodes
