@@ -3,17 +3,19 @@
 !> Source: consistent.md 1.
 module kj_c_leads
    use kj_kinds, only: wp
+   use kj_team, only: GRAIN
    use kj_joint_frame, only: BLOCK
    use kj_model, only: model_t
    use kj_assembly, only: lead_map_t
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_midpoint, only: midpoint_drift
    use kj_c_body, only: kick, drift, predict, spin_velocity, inverse_inertias
+   use kj_c_load, only: add_gravity
    use kj_c_hold, only: project, keep_rates, hold_rotations, FIRST_HALF, SECOND_HALF
    implicit none
    private
 
-   public :: move_leads, open_leads, look_leads, kick_leads, gather
+   public :: move_leads, open_leads, meet_leads, look_leads, kick_leads, gather
 
 contains
 
@@ -117,6 +119,26 @@ contains
          state%own_t(lo:hi, k) = 0.0_wp
       end do
    end subroutine open_leads
+
+   !> Forces of joints and gravity on leads lo..hi, and what the dampers look at. lo is the first
+   !> lead of a block of kj_gravity.
+   subroutine meet_leads(model, c, h, look, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      logical, intent(in) :: look                    !! no other force is to come
+      integer, intent(in) :: lo, hi
+      type(c_state_t), intent(inout) :: state
+
+      integer :: from, to
+
+      do from = lo, hi, GRAIN
+         to = min(from + GRAIN - 1, hi)
+         call gather(model%map, state%wrench, from, to, state%f, state%t)
+         call add_gravity(model, c, from, to, state)
+         if (look) call look_leads(c, h, from, to, state)
+      end do
+   end subroutine meet_leads
 
    !> What the dampers look at: predicted velocities and inverse inertias
    subroutine look_leads(c, h, lo, hi, state)

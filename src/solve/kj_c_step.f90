@@ -8,10 +8,9 @@ module kj_c_step
    use kj_c_force, only: add_springs
    use kj_c_damper, only: add_dampers
    use kj_c_state, only: c_model_t, c_state_t
-   use kj_team, only: GRAIN
-   use kj_c_load, only: add_loads, find_gravity, add_gravity, count_gravity
+   use kj_c_load, only: add_loads, find_gravity, count_gravity
    use kj_c_host, only: add_host_loads, look_ahead
-   use kj_c_leads, only: move_leads, open_leads, look_leads, kick_leads, gather
+   use kj_c_leads, only: move_leads, open_leads, meet_leads, look_leads, kick_leads, gather
    use kj_c_hold, only: project_rates, motion_targets, count_work
    implicit none
    private
@@ -154,7 +153,8 @@ contains
       case (OPEN)
          call open_leads(c, step%h, lo, hi, state)
       case (MEET)
-         call meet_leads(model, c, step%h, lo, hi, state)
+         call meet_leads(model, c, step%h, c%damped .and. .not. is_loaded(model, state), lo, hi, &
+            state)
       case (GATHERING)
          call gather(model%map, state%wrench, lo, hi, state%f, state%t)
       case (LOOK)
@@ -169,25 +169,6 @@ contains
             state%wrench)
       end select
    end subroutine work_on
-
-   !> Forces of joints and gravity on the leads lo..hi of a piece, and what the dampers look at
-   !> where nothing else is to come
-   subroutine meet_leads(model, c, h, lo, hi, state)
-      type(model_t), intent(in) :: model
-      type(c_model_t), intent(in) :: c
-      real(wp), intent(in) :: h
-      integer, intent(in) :: lo, hi
-      type(c_state_t), intent(inout) :: state
-
-      integer :: from, to
-
-      do from = lo, hi, GRAIN
-         to = min(from + GRAIN - 1, hi)
-         call gather(model%map, state%wrench, from, to, state%f, state%t)
-         call add_gravity(model, c, from, to, state)
-         if (c%damped .and. .not. is_loaded(model, state)) call look_leads(c, h, from, to, state)
-      end do
-   end subroutine meet_leads
 
    !> Loads act on leads beside joints and gravity
    pure logical function is_loaded(model, state)

@@ -110,6 +110,18 @@ class Models(unittest.TestCase):
         np.testing.assert_allclose(joint.displacement, [0, 0, 0, 0.1, 0, 0], atol=1e-12)
         np.testing.assert_allclose(joint.force, [0, 0, 0, 4.0, 0, 0], atol=1e-6)
 
+    def test_a_legacy_body_turns_by_less_than_a_radian_in_a_step(self):
+        # about its hinge, which goes through the origin; the one before was slower than the first
+        model = kjoint.Model(REV01, until=1.0, sample=0.1, formulation="legacy").start()
+        axis = np.array(model.joint(900).frame)[0]
+        for turn in (0.01, 0.0, 1.01):
+            omega = turn/model.status.time_step*axis
+            model.set_body_velocity(2, np.cross(omega, model.body(2).position), omega)
+            if turn < 1:
+                model.step()
+        with self.assertRaisesRegex(kjoint.Error, "body 2 turns by more than 1 rad"):
+            model.step()
+
     def test_a_locked_joint_stays(self):
         m = kjoint.Mechanism("locked", gravity=(0, 0, -9.81))
         bar = m.body(1.0, (0.01, 0.1, 0.1), at=(0.5, 0, 0))
