@@ -209,7 +209,7 @@ contains
       associate (m => set%model, n => set%model%n_lead)
          allocate (m%x0(m%n_node, 3), m%v0(m%n_node, 3), m%w0(n, 3), m%mass(n), m%inertia(n), &
             m%principal(n, 3), m%axes(n, 9), source=0.0_wp)
-         allocate (m%first(n + 1), source=n + 1)
+         allocate (m%n_secondary(n), source=0)
          m%body_id = m%node_id(:n)
          allocate (m%bcs(0), m%gravity(0), m%cload(0), m%motion(0), m%th_joint(0), m%th_body(0), &
             m%th_spring(0), m%th_node(0), m%th_node_skew(0))

@@ -100,8 +100,8 @@ contains
 
       associate (s => set%state, m => set%model)
          deallocate (s%d, s%v, s%a, s%al, s%impulse, s%angular_impulse, s%rotation_sum, s%p, &
-            s%principal, s%crew%node, s%crew%lead, s%crew%kept, s%crew%few, m%v0, m%w0, m%axes, &
-            m%principal, m%node_id, m%body_id, m%first)
+            s%principal, s%crew%first, s%crew%node, s%crew%kept, s%crew%few, m%v0, m%w0, m%axes, &
+            m%principal, m%node_id, m%body_id, m%n_secondary)
          do b = 1, size(m%batch)
             deallocate (m%batch(b)%frame0, m%batch(b)%angle0)
          end do
@@ -127,7 +127,7 @@ contains
                m%batch(b)%frame0, m%batch(b)%k, m%batch(b)%c, m%batch(b)%k_curve, &
                m%batch(b)%c_curve, m%batch(b)%angle0)
          end do
-         deallocate (m%axes, m%principal, m%node_id, m%body_id, m%first)
+         deallocate (m%axes, m%principal, m%node_id, m%body_id, m%n_secondary)
          if (reads_nodes(set)) return
          m%x0 = m%x0(:m%n_lead, :)
          m%v0 = m%v0(:m%n_lead, :)

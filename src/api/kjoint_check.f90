@@ -147,7 +147,7 @@ contains
 
       n = model%n_body
       report%body_id = model%body_id
-      report%n_secondary = model%first(2:) - model%first(:n)
+      report%n_secondary = model%n_secondary
       report%n_joint = model%map%first(2:n + 1) - model%map%first(:n)
       report%mass = model%mass(:n)
       report%inertia = transpose(model%principal)

@@ -135,15 +135,18 @@ contains
    end procedure simulation_title
 
    module procedure simulation_reach
-      integer :: b, i
+      logical, allocatable :: held(:)
+      integer :: i
 
       reach = 0.0_wp
       associate (m => sim%model)
-         do b = 1, m%n_body
-            if (any([(all(m%bcs(i)%fixed) .and. m%bcs(i)%lead == b, i=1, size(m%bcs))])) cycle
-            do i = m%first(b), m%first(b + 1) - 1
-               reach = max(reach, norm2(m%x0(i, :) - m%x0(b, :)))
-            end do
+         allocate (held(m%n_lead), source=.false.)
+         do i = 1, size(m%bcs)
+            held(m%bcs(i)%lead) = all(m%bcs(i)%fixed)
+         end do
+         do i = m%n_lead + 1, m%n_node
+            if (.not. held(m%lead(i))) &
+               reach = max(reach, norm2(m%x0(i, :) - m%x0(m%lead(i), :)))
          end do
       end associate
    end procedure simulation_reach

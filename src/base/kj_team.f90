@@ -5,6 +5,7 @@
 !> its cache what it had in the last one.
 module kj_team
    use kj_kinds, only: wp
+   use kj_sort, only: sorted_order
    implicit none
    private
 
@@ -12,13 +13,16 @@ module kj_team
 
    integer, parameter, public :: GRAIN = 128      !! cuts lie at its multiples: whole blocks
    integer, parameter :: PIECES = 4               !! for each thread
-   integer, parameter :: MOST_LEADS = 4*GRAIN     !! in a piece: stages that follow find them cached
-   integer, parameter :: LEAD_WORK = 8            !! of a lead, in that of gathering one joint end
+   !> Leads, or joints of all batches, in a piece: what comes next finds them in the cache
+   integer, parameter, public :: MOST = 4*GRAIN
+   integer, parameter :: FINE = 10**6             !! places along a batch that are told apart
+   integer, parameter :: LEAD_WORK = 8            !! of a lead, in that of one joint end or node
 
    !> The pieces
    type :: team_t
       integer :: threads = 1
-      integer, allocatable :: joint(:, :)         !! (3, pieces) batch, first joint, last joint
+      !> (3, pieces) batch, first joint, last joint; all batches side by side, as decks have them
+      integer, allocatable :: joint(:, :)
       integer, allocatable :: lead(:, :)          !! (2, pieces) first, last lead
       ! (0:threads) pieces up to the end of each thread's share
       integer, allocatable :: joints(:)           !! of the pieces of joints
@@ -31,36 +35,54 @@ contains
    pure subroutine new_team(threads, least, n_joint, n_end, team)
       integer, intent(in) :: threads, least
       integer, intent(in) :: n_joint(:)           !! of each batch
-      integer, intent(in) :: n_end(:)             !! (n_lead) joint ends on each lead
+      integer, intent(in) :: n_end(:)             !! (n_lead) joint ends, and nodes to move, of each
       type(team_t), intent(out) :: team
 
-      integer :: b, k, n, n_lead, from, length
+      integer :: k, n, n_lead, length
 
       n_lead = size(n_end)
       n = sum(n_joint)
       team%threads = max(1, min(threads, max(n, n_lead)/max(1, least)))
-      length = piece_length(n, team%threads)
-      n = 0
-      do b = 1, size(n_joint)
-         n = n + (n_joint(b) + length - 1)/length
-      end do
-      allocate (team%joint(3, n))
-      k = 0
-      do b = 1, size(n_joint)
-         do from = 1, n_joint(b), length
-            k = k + 1
-            team%joint(:, k) = [b, from, min(from + length - 1, n_joint(b))]
-         end do
-      end do
-      length = min(MOST_LEADS, piece_length(n_lead, team%threads))
+      call cut_batches(n_joint, min(MOST, piece_length(n, team%threads)), team%joint)
+      length = min(MOST, piece_length(n_lead, team%threads))
       n = (n_lead + length - 1)/length
       allocate (team%lead(2, n))
       do k = 1, n
          team%lead(:, k) = [(k - 1)*length + 1, min(k*length, n_lead)]
       end do
-      team%joints = even_shares(size(team%joint, 2), team%threads)
-      team%leads = fair_shares(n_end, team%lead, team%threads)
+      allocate (team%joints(0:team%threads), team%leads(0:team%threads))
+      team%joints = fair_shares(real(team%joint(3, :) - team%joint(2, :) + 1, wp), team%threads)
+      team%leads = fair_shares([(LEAD_WORK*real(team%lead(2, k) - team%lead(1, k) + 1, wp) + &
+         sum(n_end(team%lead(1, k):team%lead(2, k))), k=1, n)], team%threads)
    end subroutine new_team
+
+   !> Pieces of each batch, `length` joints of all batches together, in the order of their place
+   !> along the batch
+   pure subroutine cut_batches(n_joint, length, joint)
+      integer, intent(in) :: n_joint(:), length
+      integer, allocatable, intent(out) :: joint(:, :)
+
+      integer :: b, k, n, from, step(size(n_joint))
+      real(wp) :: blocks
+      integer, allocatable :: place(:)
+
+      blocks = real(length, wp)/GRAIN/max(1, sum(n_joint))
+      n = 0
+      do b = 1, size(n_joint)
+         step(b) = GRAIN*max(1, ceiling(blocks*n_joint(b)))
+         n = n + (n_joint(b) + step(b) - 1)/step(b)
+      end do
+      allocate (joint(3, n), place(n))
+      k = 0
+      do b = 1, size(n_joint)
+         do from = 1, n_joint(b), step(b)
+            k = k + 1
+            joint(:, k) = [b, from, min(from + step(b) - 1, n_joint(b))]
+            place(k) = int(FINE*(real(from - 1, wp)/n_joint(b)))
+         end do
+      end do
+      joint = joint(:, sorted_order(place))
+   end subroutine cut_batches
 
    !> (0:threads) pieces up to the end of each thread's share, as many for each
    pure function even_shares(n, threads) result(to)
@@ -73,19 +95,15 @@ contains
       to = [((k*n)/threads, k=0, threads)]
    end function even_shares
 
-   !> The same by the work on each lead, which may carry any number of joints
-   pure function fair_shares(n_end, lead, threads) result(to)
-      integer, intent(in) :: n_end(:), lead(:, :)
+   !> The same by the work of each piece
+   pure function fair_shares(work, threads) result(to)
+      real(wp), intent(in) :: work(:)
       integer, intent(in) :: threads
       integer :: to(0:threads)
 
       integer :: k, owner
-      real(wp) :: work(size(lead, 2)), before, total
+      real(wp) :: before, total
 
-      do k = 1, size(work)
-         work(k) = LEAD_WORK*real(lead(2, k) - lead(1, k) + 1, wp) + &
-            sum(n_end(lead(1, k):lead(2, k)))
-      end do
       total = sum(work)
       to = 0
       before = 0.0_wp

@@ -253,16 +253,21 @@ contains
       end do
    end subroutine keep_whole_bodies
 
-   !> Main nodes, then free nodes, then secondary nodes body by body
+   !> Main nodes, then free nodes, then secondary nodes body by body, ends of elements first
    subroutine number_nodes(draft, crew, model)
       type(draft_t), intent(inout) :: draft
       type(crew_t), intent(in) :: crew(:)
       type(model_t), intent(inout) :: model
 
       integer, allocatable :: raw(:)
+      logical :: is_end(0:draft%n_node)
       integer :: b, i, n
 
-      allocate (raw(draft%n_node), model%first(model%n_body + 1))
+      is_end = .false.
+      do i = 1, size(draft%elements%node, 2)
+         is_end(draft%elements%node(:, i)) = .true.
+      end do
+      allocate (raw(draft%n_node), model%n_secondary(model%n_body))
       n = model%n_body
       raw(:n) = crew%main
       do i = 1, draft%n_node
@@ -275,12 +280,12 @@ contains
       allocate (model%lead(model%n_node))
       model%lead(:n) = [(i, i=1, n)]
       do b = 1, model%n_body
-         model%first(b) = n + 1
-         raw(n + 1:n + size(crew(b)%node)) = crew(b)%node
-         model%lead(n + 1:n + size(crew(b)%node)) = b
-         n = n + size(crew(b)%node)
+         model%n_secondary(b) = size(crew(b)%node)
+         call add_secondaries(b, pack(crew(b)%node, is_end(crew(b)%node)))
       end do
-      model%first(model%n_body + 1) = n + 1
+      do b = 1, model%n_body
+         call add_secondaries(b, pack(crew(b)%node, .not. is_end(crew(b)%node)))
+      end do
       draft%new(raw) = [(i, i=1, n)]
       model%node_id = draft%id(raw)
       model%x0 = draft%x(raw, :)
@@ -289,6 +294,16 @@ contains
       model%mass = model%node_mass(:model%n_lead)
       model%inertia = model%node_inertia(:model%n_lead)
       allocate (model%v0(n, 3), model%w0(model%n_lead, 3), source=0.0_wp)
+
+   contains
+
+      subroutine add_secondaries(body, nodes)
+         integer, intent(in) :: body, nodes(:)
+
+         raw(n + 1:n + size(nodes)) = nodes
+         model%lead(n + 1:n + size(nodes)) = body
+         n = n + size(nodes)
+      end subroutine add_secondaries
    end subroutine number_nodes
 
    !> Masses, centres of gravity and principal axes; moves the main nodes

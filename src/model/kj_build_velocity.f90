@@ -45,11 +45,10 @@ contains
             call set_velocity(deck, cards, keyword, draft, nodes, model, findings)
          end if
       end do
-      do b = 1, model%n_body
-         do i = model%first(b), model%first(b + 1) - 1
-            model%v0(i, :) = model%v0(b, :) + &
-               cross(model%w0(b, :), model%x0(i, :) - model%x0(b, :))
-         end do
+      do i = model%n_lead + 1, model%n_node
+         b = model%lead(i)
+         model%v0(i, :) = model%v0(b, :) + &
+            cross(model%w0(b, :), model%x0(i, :) - model%x0(b, :))
       end do
    end subroutine build_velocities
 

@@ -119,7 +119,7 @@ contains
       integer, intent(out) :: new(0:)          !! (0:n_node) number in the part, 0 = not there
 
       logical :: used(0:model%n_node)
-      integer :: i, b
+      integer :: i
 
       used = .false.
       do i = 1, model%n_element
@@ -155,12 +155,7 @@ contains
          part%principal = model%principal(l, :)
          part%axes = model%axes(l, :)
          part%ispher = model%ispher(l)
-         allocate (part%first(size(l) + 1))
-         part%first(1) = part%n_lead + 1
-         do b = 1, size(l)
-            part%first(b + 1) = part%first(b) + &
-               count(new(model%first(l(b)):model%first(l(b) + 1) - 1) > 0)
-         end do
+         part%n_secondary = model%n_secondary(l)
       end associate
 
    contains

@@ -1,8 +1,9 @@
 !> Constant data of a run. Everything is in work units and refers to internal indices.
 !>
 !> Nodes are numbered so that loops are plain: main nodes of bodies first (body b is node b), then
-!> the free nodes that can move by themselves, then the secondary nodes body by body. The first
-!> two kinds are the "leads": they carry mass and are integrated; secondary nodes follow.
+!> the free nodes that can move by themselves, then the secondary nodes body by body: the ends of
+!> joints and springs, which every cycle reads, and after them the others. The first two kinds are
+!> the "leads": they carry mass and are integrated; secondary nodes follow.
 module kj_model
    use kj_kinds, only: wp
    use kj_units, only: unit_system_t
@@ -12,7 +13,7 @@ module kj_model
    implicit none
    private
 
-   public :: model_t, skew_set_t, name_t, last_of
+   public :: model_t, skew_set_t, name_t
 
    !> A title of the deck
    type :: name_t
@@ -113,7 +114,7 @@ module kj_model
       real(wp), allocatable :: node_mass(:), node_inertia(:)   !! (n_node) own, of secondary nodes
       ! bodies
       integer, allocatable :: body_id(:)           !! (n_body) user ids
-      integer, allocatable :: first(:)             !! (n_body + 1) secondary nodes of each body
+      integer, allocatable :: n_secondary(:)       !! (n_body) how many nodes each body carries
       real(wp), allocatable :: principal(:, :)     !! (n_body, 3) inertia, descending
       real(wp), allocatable :: axes(:, :)          !! (n_body, 9) principal axes, columns, W
       integer, allocatable :: ispher(:)            !! (n_body)
@@ -134,15 +135,5 @@ module kj_model
       integer, allocatable :: th_node_skew(:)      !! skew index of each, 0 = global
       type(name_t), allocatable :: th_node_name(:)
    end type model_t
-
-contains
-
-   !> Index of the last secondary node of a body
-   pure integer function last_of(model, body) result(last)
-      type(model_t), intent(in) :: model
-      integer, intent(in) :: body
-
-      last = model%first(body + 1) - 1
-   end function last_of
 
 end module kj_model

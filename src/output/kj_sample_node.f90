@@ -91,7 +91,7 @@ contains
       end if
       v = state%v(lead, :) + state%h12*state%a(lead, :)
       a = (secondary_velocity(v, w, state%world%x(node, :) - state%world%x(lead, :), state%h2, &
-         state%h12, model%first(lead + 1) - model%first(lead) <= 2) - state%v(node, :))/state%h12
+         state%h12, model%n_secondary(lead) <= 2) - state%v(node, :))/state%h12
    end function acceleration_of
 
 end module kj_sample_node

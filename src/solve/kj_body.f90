@@ -21,9 +21,9 @@ contains
    !> Turn the principal axes by h1 w and solve the Euler equations of bodies lo..hi.
    !>
    !> al = P I^-1 (P^T m - w_l x I w_l), w at t - h1/2
-   subroutine turn_bodies(loaded, lo, hi, state, fastest)
-      logical, intent(in) :: loaded              !! moments act on the bodies themselves
+   subroutine turn_bodies(lo, hi, moment, state, fastest)
       integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: moment(lo:, :)     !! (>= hi - lo + 1, 3) W
       type(state_t), intent(inout) :: state
       real(wp), intent(inout) :: fastest         !! the largest w**2 of them
 
@@ -41,8 +41,7 @@ contains
                state%inertia(from:to))
             w(:n, k) = state%world%w(from:to, k)
             phi(:n, k) = state%h1*w(:n, k)
-            m(:n, k) = state%m(from:to, k)
-            if (loaded) m(:n, k) = m(:n, k) + state%m_own(from:to, k)
+            m(:n, k) = moment(from:to, k)
          end do
          !$omp simd reduction(max: fastest)
          do i = 1, n
@@ -100,22 +99,17 @@ contains
    end subroutine solve_conditioned
 
    !> a = f/m and, for free nodes, al = m/I, of leads lo..hi; zero where there is no mass or inertia
-   pure subroutine linear_accelerations(model, loaded, lo, hi, state)
-      type(model_t), intent(in) :: model
-      logical, intent(in) :: loaded              !! forces act on the leads themselves
-      integer, intent(in) :: lo, hi
+   pure subroutine linear_accelerations(n_body, lo, hi, f, m, state)
+      integer, intent(in) :: n_body, lo, hi
+      real(wp), intent(in) :: f(lo:, :), m(lo:, :)   !! (>= hi - lo + 1, 3) W
       type(state_t), intent(inout) :: state
 
       integer :: first, k
 
-      first = max(lo, model%n_body + 1)
+      first = max(lo, n_body + 1)
       do k = 1, 3
-         state%a(lo:hi, k) = state%f(lo:hi, k)
-         state%al(first:hi, k) = state%m(first:hi, k)
-         if (loaded) then
-            state%a(lo:hi, k) = state%a(lo:hi, k) + state%f_own(lo:hi, k)
-            state%al(first:hi, k) = state%al(first:hi, k) + state%m_own(first:hi, k)
-         end if
+         state%a(lo:hi, k) = f(lo:hi, k)
+         state%al(first:hi, k) = m(first:hi, k)
          call divide(hi - lo + 1, state%mass(lo:hi), state%a(lo:hi, k))
          call divide(hi - first + 1, state%inertia(first:hi), state%al(first:hi, k))
       end do
@@ -136,7 +130,8 @@ contains
    end subroutine divide
 
    !> v += h12 a, w += h12 al, x += h2 v of leads lo..hi; of bodies before that the sum of h2 w
-   pure subroutine move_leads(lo, hi, state)
+   pure subroutine move_leads(placed, lo, hi, state)
+      logical, intent(in) :: placed              !! someone reads d of one of them
       integer, intent(in) :: lo, hi
       type(state_t), intent(inout) :: state
 
@@ -149,7 +144,7 @@ contains
             state%rotation_sum(lo:last, k))
          call add_to(n, state%h12, state%a(lo:hi, k), state%v(lo:hi, k))
          call add_to(n, state%h12, state%al(lo:hi, k), state%world%w(lo:hi, k))
-         call add_to(n, state%h2, state%v(lo:hi, k), state%d(lo:hi, k))
+         if (placed) call add_to(n, state%h2, state%v(lo:hi, k), state%d(lo:hi, k))
          call add_to(n, state%h2, state%v(lo:hi, k), state%world%x(lo:hi, k))
       end do
    end subroutine move_leads
@@ -187,7 +182,7 @@ contains
       u = v + rel + 0.5_wp*h2*cross(w, rel)
    end function secondary_velocity
 
-   !> Move members lo..hi of the crew by one step; the leads have their old velocities and positions
+   !> Move the crews of leads lo..hi, which have their old velocities and positions, by one step
    pure subroutine move_secondaries(lo, hi, state)
       integer, intent(in) :: lo, hi
       type(state_t), intent(inout) :: state
@@ -196,7 +191,8 @@ contains
          state%a, state%al, state%world%w, state%world%x, state%v, state%d)
    end subroutine move_secondaries
 
-   !> The same with arrays that the compiler knows to be apart; see secondary_velocity
+   !> The same with arrays that the compiler knows to be apart; see secondary_velocity. Nodes of a
+   !> lead at rest stay where they are.
    pure subroutine move_crew(crew, lo, hi, h2, h12, n_node, n_lead, a, al, w, x, v, d)
       type(crew_t), intent(in) :: crew
       integer, intent(in) :: lo, hi
@@ -205,29 +201,34 @@ contains
       real(wp), dimension(n_lead, 3), intent(in) :: a, al, w
       real(wp), dimension(n_node, 3), intent(inout) :: x, v, d
 
-      real(wp) :: u(3), t(3), r(3), wb(3), vb(3)
+      real(wp) :: u(3), t(3), r(3), wb(3), vb(3), xb(3)
+      logical :: rests
       integer :: i, k, b
 
-      do k = lo, hi
-         i = crew%node(k)
-         b = crew%lead(k)
+      do b = lo, hi
          vb = v(b, :) + h12*a(b, :)
          wb = w(b, :) + h12*al(b, :)
-         r = x(i, :) - x(b, :)
-         if (crew%few(k)) then
-            u = secondary_velocity(vb, wb, r, h2, h12, .true.)
-         else
-            t(1) = wb(2)*r(3) - wb(3)*r(2)
-            t(2) = wb(3)*r(1) - wb(1)*r(3)
-            t(3) = wb(1)*r(2) - wb(2)*r(1)
-            u(1) = vb(1) + t(1) + 0.5_wp*h2*(wb(2)*t(3) - wb(3)*t(2))
-            u(2) = vb(2) + t(2) + 0.5_wp*h2*(wb(3)*t(1) - wb(1)*t(3))
-            u(3) = vb(3) + t(3) + 0.5_wp*h2*(wb(1)*t(2) - wb(2)*t(1))
-         end if
-         x(i, :) = x(i, :) + h2*u
-         if (.not. crew%kept(k)) cycle
-         v(i, :) = u
-         d(i, :) = d(i, :) + h2*u
+         xb = x(b, :)
+         rests = all(abs(vb) <= 0.0_wp) .and. all(abs(wb) <= 0.0_wp)
+         do k = crew%first(b), crew%first(b + 1) - 1
+            if (rests .and. .not. crew%kept(k)) cycle
+            i = crew%node(k)
+            r = x(i, :) - xb
+            if (crew%few(b)) then
+               u = secondary_velocity(vb, wb, r, h2, h12, .true.)
+            else
+               t(1) = wb(2)*r(3) - wb(3)*r(2)
+               t(2) = wb(3)*r(1) - wb(1)*r(3)
+               t(3) = wb(1)*r(2) - wb(2)*r(1)
+               u(1) = vb(1) + t(1) + 0.5_wp*h2*(wb(2)*t(3) - wb(3)*t(2))
+               u(2) = vb(2) + t(2) + 0.5_wp*h2*(wb(3)*t(1) - wb(1)*t(3))
+               u(3) = vb(3) + t(3) + 0.5_wp*h2*(wb(1)*t(2) - wb(2)*t(1))
+            end if
+            x(i, :) = x(i, :) + h2*u
+            if (.not. crew%kept(k)) cycle
+            v(i, :) = u
+            d(i, :) = d(i, :) + h2*u
+         end do
       end do
    end subroutine move_crew
 
@@ -240,22 +241,24 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       real(wp) :: turn2
-      integer :: b
+      integer :: b, piece
 
-      ! conditions have made some slower since, none faster
-      if (all(state%h2**2*state%fastest <= min(state%turn2, 1.0_wp))) return
-      do b = 1, model%n_body
-         turn2 = state%h2**2*(state%world%w(b, 1)**2 + state%world%w(b, 2)**2 + &
-            state%world%w(b, 3)**2)
-         if (turn2 > state%turn2) then
-            state%turn2 = turn2
-            state%turn_body = b
-         end if
-         if (turn2 > 1.0_wp .and. model%first(b + 1) - model%first(b) > 2) then
-            call fail(error, ERR_RUN, 'body '//str(model%body_id(b))// &
-               ' turns by more than 1 rad in a step')
-            return
-         end if
+      do piece = 1, size(state%fastest)
+         ! conditions have made some slower since, none faster
+         if (state%h2**2*state%fastest(piece) <= min(state%turn2, 1.0_wp)) cycle
+         do b = state%team%lead(1, piece), min(state%team%lead(2, piece), model%n_body)
+            turn2 = state%h2**2*(state%world%w(b, 1)**2 + state%world%w(b, 2)**2 + &
+               state%world%w(b, 3)**2)
+            if (turn2 > state%turn2) then
+               state%turn2 = turn2
+               state%turn_body = b
+            end if
+            if (turn2 > 1.0_wp .and. model%n_secondary(b) > 2) then
+               call fail(error, ERR_RUN, 'body '//str(model%body_id(b))// &
+                  ' turns by more than 1 rad in a step')
+               return
+            end if
+         end do
       end do
    end subroutine check_turns
 

@@ -77,7 +77,7 @@ contains
       type(load_t), intent(in) :: load
 
       real(wp) :: g(3), y
-      integer :: k
+      integer :: k, lead
 
       u = 0.0_wp
       if (load%sensed) return
@@ -94,7 +94,8 @@ contains
       end if
       g = y*axis_of(state%world%skew, load%skew, load%dir)
       do k = 1, size(load%node)
-         u = u - state%mass(load%node(k))*dot_product(g, state%d(load%node(k), :))
+         lead = load%node(k)
+         u = u - state%mass(lead)*dot_product(g, state%world%x(lead, :) - model%x0(lead, :))
       end do
    end function potential_of
 

@@ -11,9 +11,17 @@ module kj_load
    implicit none
    private
 
-   public :: add_cloads, find_gravity, gravity_at, hold_conditions, impose_motion
+   public :: is_loaded, add_cloads, find_gravity, gravity_at, hold_conditions, impose_motion
 
 contains
+
+   !> Forces or moments may act on leads themselves; f_own and m_own are 0 otherwise
+   pure logical function is_loaded(model, state)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+
+      is_loaded = size(model%cload) > 0 .or. allocated(state%f_host)
+   end function is_loaded
 
    !> Add concentrated loads to the leads; loads on secondary nodes join the sums of their body.
    !>

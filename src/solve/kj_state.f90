@@ -4,8 +4,10 @@
 !> t(n).
 module kj_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t, new_team, even_shares, GRAIN
-   use kj_model, only: model_t
+   use kj_team, only: team_t, new_team
+   use kj_plan, only: plan_t, new_plan
+   use kj_assembly, only: SPAN, N_SUM
+   use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_joint_force, only: world_t, start_stiffness, N_WRENCH
    use kj_joint_batch, only: joint_state_t, new_joint_state
    use kj_gravity, only: gravity_t, new_gravity
@@ -21,12 +23,12 @@ module kj_state
 
    integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2, OWNER_JOINT = 3
 
-   !> Secondary nodes that joints, skews, loads or the history read, body by body
+   !> Secondary nodes that joints, skews, loads or the history read, lead by lead
    type :: crew_t
-      integer, allocatable :: node(:), lead(:)
+      integer, allocatable :: first(:)        !! (n_lead + 1) start of each lead's nodes
+      integer, allocatable :: node(:)
       logical, allocatable :: kept(:)         !! its velocity and displacement are read, too
-      logical, allocatable :: few(:)          !! its body has at most two secondary nodes
-      integer, allocatable :: shares(:)       !! (0:threads) of its pieces of GRAIN, see kj_team
+      logical, allocatable :: few(:)          !! (n_lead) it has at most two secondary nodes
    end type crew_t
 
    !> The state
@@ -49,20 +51,25 @@ module kj_state
       integer :: turn_body = 0                            !! the body that made it
       ! nodes and leads
       type(team_t) :: team                                 !! pieces for the threads
+      type(plan_t) :: plan                                 !! and their order
       type(world_t) :: world                               !! x, w, skew axes
-      real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3)
+      real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3); d where it is read
       real(wp), allocatable :: a(:, :), al(:, :)           !! (n_lead, 3)
-      !> (n_lead, 3) from joints and secondaries
+      !> (n_lead, 3) from joints and secondaries, where `kept`
       real(wp), allocatable :: f(:, :), m(:, :)
       real(wp), allocatable :: f_own(:, :), m_own(:, :)    !! (n_lead, 3) loads on the lead itself
       !> (n_lead, 3) of these, what an embedding host applies; not allocated: nothing
       real(wp), allocatable :: f_host(:, :), m_host(:, :)
-      real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
+      real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) the same of the time step
       real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
       !> of each piece of leads, least m/k or I/k_r
       real(wp), allocatable :: least(:)
       integer, allocatable :: least_at(:)                  !! its lead, 0 = none
       real(wp), allocatable :: fastest(:)                  !! of each piece, largest w**2 of a body
+      logical, allocatable :: finite(:)                    !! of each piece, its al is
+      logical, allocatable :: placed(:)                    !! of each piece, someone reads its d
+      !> of each piece, f, m, kn and kr of its leads are read after the stage that finds them
+      logical, allocatable :: kept(:)
       type(crew_t) :: crew                                 !! secondary nodes that move
       ! bodies
       real(wp), allocatable :: p(:, :)                     !! (n_body, 9) principal axes, columns, W
@@ -74,6 +81,7 @@ module kj_state
       ! joints and springs
       type(joint_state_t), allocatable :: joint(:)         !! one a batch
       real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_element)
+      real(wp), allocatable :: part(:, :)                  !! (N_SUM, parts of hubs) their sums
       ! loads
       type(gravity_t), allocatable :: field(:)               !! cards of gravity
       !> of each imposed motion in the last cycle
@@ -86,19 +94,30 @@ module kj_state
 
 contains
 
-   !> Secondary nodes that anyone reads; the others stay where they were
-   pure subroutine list_crew(model, crew)
+   !> Nodes whose displacement someone reads
+   pure function placed_nodes(model) result(placed)
       type(model_t), intent(in) :: model
-      type(crew_t), intent(out) :: crew
+      logical :: placed(model%n_node)
 
-      logical :: used(model%n_node), kept(model%n_node)
       integer :: i
 
-      kept = .false.
-      kept(model%th_node) = .true.
+      placed = .false.
+      placed(model%th_node) = .true.
+      placed(model%motion%lead) = .true.
       do i = 1, size(model%cload)
-         kept(model%cload(i)%node) = .true.
+         placed(model%cload(i)%node) = .true.
       end do
+   end function placed_nodes
+
+   !> Secondary nodes that anyone reads; the others stay where they were
+   pure subroutine list_crew(model, kept, crew)
+      type(model_t), intent(in) :: model
+      logical, intent(in) :: kept(:)          !! (n_node) placed_nodes
+      type(crew_t), intent(out) :: crew
+
+      logical :: used(model%n_node)
+      integer :: i, b, n, next(model%n_lead)
+
       used = kept
       do i = 1, model%n_element
          used(model%joint(i)%node) = .true.
@@ -107,10 +126,25 @@ contains
          used(model%skews%node(:, model%skews%needed(i))) = .true.
       end do
       used(:model%n_lead) = .false.
-      crew%node = pack([(i, i=1, model%n_node)], used)
-      crew%lead = model%lead(crew%node)
+      allocate (crew%first(model%n_lead + 1), source=0)
+      do i = model%n_lead + 1, model%n_node
+         if (used(i)) crew%first(model%lead(i)) = crew%first(model%lead(i)) + 1
+      end do
+      n = 0
+      do b = 1, model%n_lead
+         next(b) = n + 1
+         n = n + crew%first(b)
+      end do
+      crew%first = [next, n + 1]
+      allocate (crew%node(n))
+      do i = model%n_lead + 1, model%n_node
+         if (.not. used(i)) cycle
+         crew%node(next(model%lead(i))) = i
+         next(model%lead(i)) = next(model%lead(i)) + 1
+      end do
       crew%kept = kept(crew%node)
-      crew%few = model%first(crew%lead + 1) - model%first(crew%lead) <= 2
+      allocate (crew%few(model%n_lead), source=.false.)
+      crew%few(:model%n_body) = model%n_secondary <= 2
    end subroutine list_crew
 
    !> State at t = 0, before the first cycle
@@ -118,6 +152,7 @@ contains
       type(model_t), intent(in) :: model
       type(state_t), intent(out) :: state
 
+      logical, allocatable :: placed(:)
       integer :: i
 
       state%h_old = 1.0e6_wp/1.1_wp
@@ -138,13 +173,19 @@ contains
       end associate
       allocate (state%mass, source=model%mass)
       allocate (state%inertia, source=model%inertia)
+      placed = placed_nodes(model)
+      call list_crew(model, placed, state%crew)
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
-         model%map%first(2:) - model%map%first(:model%n_lead), state%team)
+         min(SPAN, model%map%first(2:) - model%map%first(:model%n_lead)) + &
+         state%crew%first(2:) - state%crew%first(:model%n_lead), state%team)
+      call new_plan(model%batch%first, model%map, state%team, state%plan)
       allocate (state%least(size(state%team%lead, 2)), source=huge(1.0_wp))
       allocate (state%least_at(size(state%team%lead, 2)), source=0)
       allocate (state%fastest(size(state%team%lead, 2)), source=0.0_wp)
-      call list_crew(model, state%crew)
-      state%crew%shares = even_shares((size(state%crew%node) + GRAIN - 1)/GRAIN, state%team%threads)
+      allocate (state%finite(size(state%team%lead, 2)), source=.true.)
+      allocate (state%kept(size(state%team%lead, 2)))
+      state%placed = [(any(placed(state%team%lead(1, i):state%team%lead(2, i))), &
+         i=1, size(state%team%lead, 2))]
       allocate (state%field(size(model%gravity)))
       do i = 1, size(model%gravity)
          call new_gravity(model%gravity(i)%node, model%n_lead, state%field(i))
@@ -155,12 +196,17 @@ contains
       do i = 1, size(model%bcs)
          state%bcs_of(model%bcs(i)%lead) = i
       end do
+      do i = 1, size(state%kept)
+         state%kept(i) = any(state%bcs_of(state%team%lead(1, i):state%team%lead(2, i)) > 0) .or. &
+            any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])
+      end do
       allocate (state%joint(size(model%batch)))
       do i = 1, size(model%batch)
          call new_joint_state(model%batch(i), state%joint(i))
          call start_stiffness(model%batch(i), state%joint(i))
       end do
       allocate (state%wrench(N_WRENCH, model%n_element), source=0.0_wp)
+      allocate (state%part(N_SUM, size(state%plan%hub)), source=0.0_wp)
       allocate (state%motion_power(size(model%motion)), source=0.0_wp)
       allocate (state%motion_turn(size(model%motion), 3), source=0.0_wp)
    end subroutine new_state

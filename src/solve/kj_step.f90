@@ -6,16 +6,15 @@ module kj_step
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
-   use kj_state, only: state_t, EPS20
-   use kj_team, only: GRAIN
-   use kj_gravity, only: add_accelerations
+   use kj_state, only: state_t
+   use kj_plan, only: DO_JOINTS, DO_PART, DO_LEADS
    use kj_skew, only: move_skews
    use kj_joint_force, only: add_joint_forces
-   use kj_assembly, only: gather_wrenches
-   use kj_load, only: add_cloads, find_gravity, hold_conditions, impose_motion
-   use kj_body, only: turn_bodies, solve_conditioned, linear_accelerations, move_leads, &
-      move_secondaries, check_turns
-   use kj_time_step, only: choose_step, least_ratio
+   use kj_assembly, only: sum_part
+   use kj_load, only: is_loaded, add_cloads, find_gravity, hold_conditions, impose_motion
+   use kj_leads, only: gather, gather_and_accelerate, accelerate, accelerate_again
+   use kj_body, only: solve_conditioned, move_leads, move_secondaries, check_turns
+   use kj_time_step, only: choose_step
    use kj_blocking, only: set_blocking
    implicit none
    private
@@ -46,15 +45,17 @@ contains
       integer :: i
 
       state%h1 = state%h2
-      call add_all_joints(model, state, sampling)
+      call ready_joints(model, state, sampling)
       call find_gravity(model, state)
       if (is_loaded(model, state)) then
+         call in_pieces(do_joints_of, state%plan%shares, model, state)
          call in_pieces(gather, state%team%leads, model, state)
          call add_cloads(model, state)
          call add_host_loads(state)
          call in_pieces(accelerate, state%team%leads, model, state)
       else
-         call in_pieces(gather_and_accelerate, state%team%leads, model, state)
+         call in_pieces(do_all_of, state%plan%shares, model, state)
+         call in_pieces(do_late, state%plan%late_shares, model, state)
       end if
       call solve_conditioned(model, state)
       call choose_step(model, state)
@@ -62,7 +63,7 @@ contains
       if (.not. allocated(error)) call set_blocking(model, state, error)
       state%work = state%work + state%power*state%h2
       if (any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])) &
-         call in_pieces(accelerate_leads, state%team%leads, model, state)
+         call in_pieces(accelerate_again, state%team%leads, model, state)
       do i = 1, size(state%field)
          state%work = state%work + sum(state%field(i)%power)*state%h1
       end do
@@ -81,7 +82,6 @@ contains
       integer :: i
 
       call check_turns(model, state, error)
-      call in_pieces(move_nodes, state%crew%shares, model, state)
       call in_pieces(move, state%team%leads, model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
@@ -98,12 +98,13 @@ contains
       type(state_t), intent(inout) :: state
       logical, intent(in) :: sampling        !! keep the rates, too
 
-      call add_all_joints(model, state, sampling)
+      call ready_joints(model, state, sampling)
+      call in_pieces(do_joints_of, state%plan%shares, model, state)
       call in_pieces(gather, state%team%leads, model, state)
    end subroutine find_joint_forces
 
-   !> Frames, forces and state of all joints
-   subroutine add_all_joints(model, state, sampling)
+   !> What joints look at
+   subroutine ready_joints(model, state, sampling)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
       logical, intent(in) :: sampling        !! keep the rates, too
@@ -112,16 +113,7 @@ contains
       state%world%time = state%time
       state%world%h12 = state%h12
       state%sampling = sampling
-      call in_pieces(add_joints, state%team%joints, model, state)
-   end subroutine add_all_joints
-
-   !> Forces or moments may act on leads themselves; f_own and m_own are 0 otherwise
-   pure logical function is_loaded(model, state)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(in) :: state
-
-      is_loaded = size(model%cload) > 0 .or. allocated(state%f_host)
-   end function is_loaded
+   end subroutine ready_joints
 
    !> Forces and moments of an embedding host on the leads, W, and their power
    subroutine add_host_loads(state)
@@ -161,104 +153,62 @@ contains
       end do
    end subroutine in_pieces
 
-   subroutine add_joints(model, state, piece)
+   !> A task of the plan
+   subroutine do_all_of(model, state, task)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
-      integer, intent(in) :: piece
+      integer, intent(in) :: task
+
+      if (state%plan%kind(task) == DO_LEADS) then
+         call gather_and_accelerate(model, state, state%plan%item(task))
+      else
+         call do_joints_of(model, state, task)
+      end if
+   end subroutine do_all_of
+
+   !> The same but for leads: joints and parts of hubs
+   subroutine do_joints_of(model, state, task)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: task
 
       integer :: b
 
-      b = state%team%joint(1, piece)
-      call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, state%sampling, &
-         state%team%joint(2, piece), state%team%joint(3, piece), state%joint(b), state%wrench)
-   end subroutine add_joints
+      associate (item => state%plan%item(task), joint => state%team%joint)
+         select case (state%plan%kind(task))
+         case (DO_JOINTS)
+            b = joint(1, item)
+            call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, &
+               state%sampling, joint(2, item), joint(3, item), state%joint(b), state%wrench)
+         case (DO_PART)
+            call sum_part(model%map, state%wrench, state%plan%hub(item), item, state%part(:, item))
+         end select
+      end associate
+   end subroutine do_joints_of
 
-   subroutine gather(model, state, piece)
+   !> Leads that had to wait for joints of other threads
+   subroutine do_late(model, state, place)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: place
+
+      call gather_and_accelerate(model, state, state%plan%late(place))
+   end subroutine do_late
+
+   !> New velocities and positions of bodies, their nodes and free nodes
+   subroutine move(model, state, piece)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
       integer, intent(in) :: piece
 
       integer :: lo, hi
 
-      lo = state%team%lead(1, piece)
-      hi = state%team%lead(2, piece)
-      call gather_wrenches(model%map, state%wrench, lo, hi, state%f, state%m, state%kn, state%kr)
-      state%kn(lo:hi) = state%kn(lo:hi) + EPS20
-      state%kr(lo:hi) = state%kr(lo:hi) + EPS20
-      if (is_loaded(model, state)) then
-         state%f_own(lo:hi, :) = 0.0_wp
-         state%m_own(lo:hi, :) = 0.0_wp
-      end if
-   end subroutine gather
-
-   !> Turn of the bodies, accelerations, and what limits the step; impulses of the forces on
-   !> secondary nodes, as the Radioss time history keeps them
-   subroutine accelerate(model, state, piece)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      integer, intent(in) :: piece
-
-      integer :: lo, hi, last, k
-
-      lo = state%team%lead(1, piece)
-      hi = state%team%lead(2, piece)
-      last = min(hi, model%n_body)
-      do k = 1, 3
-         state%impulse(lo:last, k) = state%impulse(lo:last, k) + state%h1*state%f(lo:last, k)
-         state%angular_impulse(lo:last, k) = state%angular_impulse(lo:last, k) + &
-            state%h1*state%m(lo:last, k)
-      end do
-      call turn_bodies(is_loaded(model, state), lo, last, state, state%fastest(piece))
-      call accelerate_leads(model, state, piece)
-      if (model%control%nodal_step .or. model%control%joint_step) &
-         call least_ratio(model, state, lo, hi, state%least(piece), state%least_at(piece))
-   end subroutine accelerate
-
-   subroutine gather_and_accelerate(model, state, piece)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      integer, intent(in) :: piece
-
-      call gather(model, state, piece)
-      call accelerate(model, state, piece)
-   end subroutine gather_and_accelerate
-
-   subroutine accelerate_leads(model, state, piece)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      integer, intent(in) :: piece
-
-      integer :: lo, hi, i
-
-      lo = state%team%lead(1, piece)
-      hi = state%team%lead(2, piece)
-      call linear_accelerations(model, is_loaded(model, state), lo, hi, state)
-      do i = 1, size(state%field)
-         call add_accelerations(lo, hi, size(state%a, 1), size(state%v, 1), state%mass, state%v, &
-            state%field(i), state%a)
-      end do
-   end subroutine accelerate_leads
-
-   !> New positions of secondary nodes
-   subroutine move_nodes(model, state, piece)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      integer, intent(in) :: piece
-
       associate (unused => model%n_node)
       end associate
-      call move_secondaries(GRAIN*(piece - 1) + 1, min(GRAIN*piece, size(state%crew%node)), state)
-   end subroutine move_nodes
-
-   !> New velocities and positions of bodies and free nodes
-   subroutine move(model, state, piece)
-      type(model_t), intent(in) :: model
-      type(state_t), intent(inout) :: state
-      integer, intent(in) :: piece
-
-      associate (unused => model%n_node)
-      end associate
-      call move_leads(state%team%lead(1, piece), state%team%lead(2, piece), state)
+      lo = state%team%lead(1, piece)
+      hi = state%team%lead(2, piece)
+      call move_secondaries(lo, hi, state)
+      call move_leads(state%placed(piece), lo, hi, state)
    end subroutine move
 
    subroutine check_step(model, state, error)
@@ -266,8 +216,8 @@ contains
       type(state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
-      if (state%h2 > 0.0_wp .and. ieee_is_finite(state%h2) .and. &
-         all(ieee_is_finite(state%al(:model%n_body, 1)))) return
+      if (state%h2 > 0.0_wp .and. ieee_is_finite(state%h2) .and. all(state%finite) .and. &
+         all(ieee_is_finite(state%al(model%bcs%lead, 1)))) return
       call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
          str(state%cycle)// &
          ' (the nodal time step is no bound: try a smaller --dt-scale)')

@@ -66,10 +66,11 @@ contains
 
    !> The least m/k and I/k_r of leads lo..hi, and the first lead that has it (0 = none); the step
    !> of TYPE45 joints is that of the leads that carry them
-   pure subroutine least_ratio(model, state, lo, hi, least, at)
+   pure subroutine least_ratio(model, state, lo, hi, kn, kr, least, at)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state
       integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: kn(lo:), kr(lo:)   !! stiffness that each lead feels
       real(wp), intent(out) :: least
       integer, intent(out) :: at
 
@@ -81,8 +82,8 @@ contains
       do i = lo, hi
          if (model%control%joint_step .and. model%map%first(i + 1) == model%map%first(i)) cycle
          ratio = huge(1.0_wp)
-         if (state%mass(i) > 0.0_wp) ratio = state%mass(i)/state%kn(i)
-         if (state%inertia(i) > 0.0_wp) ratio = min(ratio, state%inertia(i)/state%kr(i))
+         if (state%mass(i) > 0.0_wp) ratio = state%mass(i)/kn(i)
+         if (state%inertia(i) > 0.0_wp) ratio = min(ratio, state%inertia(i)/kr(i))
          if (ratio < least) then
             least = ratio
             at = i
