@@ -69,15 +69,15 @@ contains
       entries(2) = min(entries(1) + SPAN, map%first(map%hub(h) + 1)) - 1
    end function part_entries
 
-   !> The hub that a lead with many entries is
-   pure integer function hub_of(map, lead) result(lo)
+   !> First hub that is not before a lead
+   pure integer function hub_from(map, lead) result(lo)
       type(lead_map_t), intent(in) :: map
       integer, intent(in) :: lead
 
       integer :: hi, middle
 
       lo = 1
-      hi = size(map%hub)
+      hi = size(map%hub) + 1
       do while (lo < hi)
          middle = (lo + hi)/2
          if (map%hub(middle) < lead) then
@@ -86,79 +86,89 @@ contains
             hi = middle
          end if
       end do
-   end function hub_of
+   end function hub_from
 
    !> Sum of the wrenches of a part of hub h
    pure subroutine sum_part(map, wrench, h, part, total)
       type(lead_map_t), intent(in) :: map
-      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (N_WRENCH, n_joint)
+      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (N_WRENCH or N_C_WRENCH, n_joint)
       integer, intent(in) :: h, part
       real(wp), intent(out) :: total(N_SUM)
 
-      integer :: entries(2)
+      real(wp) :: f(1, 3), m(1, 3), kn(1), kr(1)
 
-      entries = part_entries(map, h, part)
-      call sum_entries(map%joint(entries(1):entries(2)), wrench, total)
+      call sum_rows(1, part_entries(map, h, part) + [0, 1], map%joint, wrench, f, m, kn, kr)
+      total = [f, m, kn, kr]
    end subroutine sum_part
 
-   pure subroutine sum_entries(joint, wrench, total)
-      integer, intent(in) :: joint(:)
-      real(wp), contiguous, intent(in) :: wrench(:, :)
-      real(wp), intent(out) :: total(N_SUM)
-
-      real(wp) :: force(3), moment(3), s, r
-      integer :: i, j
-
-      force = 0.0_wp
-      moment = 0.0_wp
-      s = 0.0_wp
-      r = 0.0_wp
-      do i = 1, size(joint)
-         j = abs(joint(i))
-         s = s + wrench(W_KN, j)
-         if (joint(i) > 0) then
-            force = force + wrench(W_FORCE:W_FORCE + 2, j)
-            moment = moment + wrench(W_MOMENT1:W_MOMENT1 + 2, j)
-            r = r + wrench(W_KR1, j)
-         else
-            force = force - wrench(W_FORCE:W_FORCE + 2, j)
-            moment = moment + wrench(W_MOMENT2:W_MOMENT2 + 2, j)
-            r = r + wrench(W_KR2, j)
-         end if
-      end do
-      total(1:3) = force
-      total(4:6) = moment
-      total(7) = s
-      total(8) = r
-   end subroutine sum_entries
-
-   !> f, m, kn, kr of leads lo..hi := sums over their joints; row 1 is lead lo
+   !> f, m, kn, kr of leads lo..hi := sums over their joints; row 1 is lead lo. kn and kr are 0
+   !> where wrenches have none.
    pure subroutine gather_wrenches(map, wrench, ready, part, lo, hi, f, m, kn, kr)
       type(lead_map_t), intent(in) :: map
-      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (N_WRENCH, n_joint)
+      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (N_WRENCH or N_C_WRENCH, n_joint)
       logical, intent(in) :: ready(:)            !! the sum of this part of a hub is there
       real(wp), intent(in) :: part(:, :)         !! (N_SUM, parts)
       integer, intent(in) :: lo, hi
-      real(wp), contiguous, intent(inout) :: f(:, :), m(:, :)   !! (>= hi - lo + 1, 3), W
-      real(wp), contiguous, intent(inout) :: kn(:), kr(:)       !! (>= hi - lo + 1)
+      real(wp), intent(inout) :: f(lo:, :), m(lo:, :)     !! (>= hi - lo + 1, 3), W
+      real(wp), intent(inout) :: kn(lo:), kr(lo:)         !! (>= hi - lo + 1)
 
       real(wp) :: total(N_SUM)
-      integer :: lead, n, i
+      integer :: from, to, h
 
-      do lead = lo, hi
-         n = map%first(lead + 1) - map%first(lead)
-         if (n <= SPAN) then
-            call sum_entries(map%joint(map%first(lead):map%first(lead + 1) - 1), wrench, total)
-         else
-            call sum_parts(map, wrench, ready, part, hub_of(map, lead), total)
-         end if
-         i = lead - lo + 1
-         f(i, :) = total(1:3)
-         m(i, :) = total(4:6)
-         kn(i) = total(7)
-         kr(i) = total(8)
+      from = lo
+      do h = hub_from(map, lo), size(map%hub)
+         to = map%hub(h)
+         if (to > hi) exit
+         call sum_rows(to - from, map%first(from:to), map%joint, wrench, f(from:, :), &
+            m(from:, :), kn(from:), kr(from:))
+         call sum_parts(map, wrench, ready, part, h, total)
+         f(to, :) = total(1:3)
+         m(to, :) = total(4:6)
+         kn(to) = total(7)
+         kr(to) = total(8)
+         from = to + 1
       end do
+      call sum_rows(hi - from + 1, map%first(from:hi + 1), map%joint, wrench, f(from:, :), &
+         m(from:, :), kn(from:), kr(from:))
    end subroutine gather_wrenches
+
+   !> Sums over the entries of n rows; row i has first(i) to first(i + 1) - 1
+   pure subroutine sum_rows(n, first, joint, wrench, f, m, kn, kr)
+      integer, intent(in) :: n
+      integer, intent(in) :: first(n + 1)
+      integer, contiguous, intent(in) :: joint(:)         !! of each entry
+      real(wp), contiguous, intent(in) :: wrench(:, :)
+      real(wp), intent(inout) :: f(:, :), m(:, :), kn(:), kr(:)
+
+      real(wp) :: force(3), moment(3), s, r
+      logical :: stiff
+      integer :: row, i, j
+
+      stiff = size(wrench, 1) >= W_KR2
+      do row = 1, n
+         force = 0.0_wp
+         moment = 0.0_wp
+         s = 0.0_wp
+         r = 0.0_wp
+         do i = first(row), first(row + 1) - 1
+            j = abs(joint(i))
+            if (stiff) s = s + wrench(W_KN, j)
+            if (joint(i) > 0) then
+               force = force + wrench(W_FORCE:W_FORCE + 2, j)
+               moment = moment + wrench(W_MOMENT1:W_MOMENT1 + 2, j)
+               if (stiff) r = r + wrench(W_KR1, j)
+            else
+               force = force - wrench(W_FORCE:W_FORCE + 2, j)
+               moment = moment + wrench(W_MOMENT2:W_MOMENT2 + 2, j)
+               if (stiff) r = r + wrench(W_KR2, j)
+            end if
+         end do
+         f(row, :) = force
+         m(row, :) = moment
+         kn(row) = s
+         kr(row) = r
+      end do
+   end subroutine sum_rows
 
    !> Sum of the parts of hub h, those that are not ready included
    pure subroutine sum_parts(map, wrench, ready, part, h, total)

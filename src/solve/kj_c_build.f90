@@ -2,6 +2,8 @@
 module kj_c_build
    use kj_kinds, only: wp
    use kj_team, only: new_team
+   use kj_plan, only: new_plan
+   use kj_assembly, only: SPAN, N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
@@ -43,8 +45,9 @@ contains
       do b = 1, size(model%batch)
          call build_batch(model, c, model%batch(b), c%batch(b))
       end do
-      call new_team(model%control%threads, model%control%least_share, model%batch%n, c%n_joint, &
-         c%team)
+      call new_team(model%control%threads, model%control%least_share, model%batch%n, &
+         min(SPAN, c%n_joint), c%team)
+      call new_plan(model%batch%first, model%map, c%team, c%plan)
       c%damped = any([(c%batch(b)%damped, b=1, size(c%batch))])
       c%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
       c%placed = [integer ::]
@@ -278,6 +281,7 @@ contains
          call new_c_joint(c%batch(b)%n, state%joint(b))
          if (c%batch(b)%limited) call new_c_limits(c%batch(b)%n, state%joint(b))
       end do
+      allocate (state%part(N_SUM, size(c%plan%hub)), source=0.0_wp)
       allocate (state%wrench(N_C_WRENCH, model%n_element), state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
          source=0.0_wp)

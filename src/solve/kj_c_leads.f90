@@ -3,10 +3,10 @@
 !> Source: consistent.md 1.
 module kj_c_leads
    use kj_kinds, only: wp
-   use kj_team, only: GRAIN
+   use kj_team, only: GRAIN, MOST
    use kj_joint_frame, only: BLOCK
    use kj_model, only: model_t
-   use kj_assembly, only: lead_map_t
+   use kj_assembly, only: gather_wrenches
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_midpoint, only: midpoint_drift
    use kj_c_body, only: kick, drift, predict, spin_velocity, inverse_inertias
@@ -134,7 +134,7 @@ contains
 
       do from = lo, hi, GRAIN
          to = min(from + GRAIN - 1, hi)
-         call gather(model%map, state%wrench, from, to, state%f, state%t)
+         call gather(model, c, from, to, state)
          call add_gravity(model, c, from, to, state)
          if (look) call look_leads(c, h, from, to, state)
       end do
@@ -172,7 +172,7 @@ contains
          to = min(from + BLOCK - 1, hi)
          first = c%hold_to((from - 1)/BLOCK) + 1
          last = c%hold_to((to + BLOCK - 1)/BLOCK)
-         if (c%damped) call gather(model%map, state%wrench, from, to, state%f, state%t)
+         if (c%damped) call gather(model, c, from, to, state)
          call keep_rates(c, first, last, state)
          call half_kick(model, c, h, from, to, state)
          call project(model, c, target, active, SECOND_HALF, first, last, state)
@@ -183,32 +183,21 @@ contains
       end do
    end subroutine kick_leads
 
-   !> Add the wrenches of the joints to their leads, ascending joint by lead
-   pure subroutine gather(map, wrench, lo, hi, f, t)
-      type(lead_map_t), intent(in) :: map
-      real(wp), contiguous, intent(in) :: wrench(:, :)
+   !> Add the wrenches of the joints to the leads lo..hi, at most MOST
+   pure subroutine gather(model, c, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
       integer, intent(in) :: lo, hi
-      real(wp), contiguous, intent(inout) :: f(:, :), t(:, :)
+      type(c_state_t), intent(inout) :: state
 
-      real(wp) :: force(3), moment(3)
-      integer :: lead, i, j
+      real(wp), dimension(MOST, 3) :: f, t
+      real(wp), dimension(MOST) :: kn, kr            ! these wrenches have none
+      integer :: n
 
-      do lead = lo, hi
-         force = 0.0_wp
-         moment = 0.0_wp
-         do i = map%first(lead), map%first(lead + 1) - 1
-            j = map%joint(i)
-            if (j > 0) then
-               force = force + wrench(1:3, j)
-               moment = moment + wrench(4:6, j)
-            else
-               force = force - wrench(1:3, -j)
-               moment = moment + wrench(7:9, -j)
-            end if
-         end do
-         f(lead, :) = f(lead, :) + force
-         t(lead, :) = t(lead, :) + moment
-      end do
+      call gather_wrenches(model%map, state%wrench, c%plan%ready, state%part, lo, hi, f, t, kn, kr)
+      n = hi - lo + 1
+      state%f(lo:hi, :) = state%f(lo:hi, :) + f(:n, :)
+      state%t(lo:hi, :) = state%t(lo:hi, :) + t(:n, :)
    end subroutine gather
 
 end module kj_c_leads

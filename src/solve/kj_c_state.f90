@@ -3,6 +3,7 @@
 module kj_c_state
    use kj_kinds, only: wp
    use kj_team, only: team_t
+   use kj_plan, only: plan_t
    use kj_model, only: model_t
    use kj_c_batch, only: c_batch_t, c_joint_t
    use kj_c_matrix, only: poses_t
@@ -39,6 +40,7 @@ module kj_c_state
    type :: c_model_t
       type(c_batch_t), allocatable :: batch(:)
       type(team_t) :: team                       !! pieces for the threads
+      type(plan_t) :: plan                       !! and their order
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: im(:)             !! (n_lead) inverse mass, 0 where held or massless
       real(wp), allocatable :: i(:, :), ii(:, :) !! (n_lead, 3) principal inertia and its inverse
@@ -81,6 +83,7 @@ module kj_c_state
       type(kept_t) :: kept
       type(c_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_C_WRENCH, n_element)
+      real(wp), allocatable :: part(:, :)        !! (N_SUM, parts of hubs) their sums
       !> (n_motion) value reached: velocity of an imposed acceleration
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads

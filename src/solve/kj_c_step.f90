@@ -5,6 +5,8 @@ module kj_c_step
    use kj_math3, only: cross
    use kj_model, only: model_t
    use kj_skew, only: move_skews
+   use kj_assembly, only: sum_part
+   use kj_plan, only: DO_JOINTS, DO_PART, DO_LEADS
    use kj_c_force, only: add_springs
    use kj_c_damper, only: add_dampers
    use kj_c_state, only: c_model_t, c_state_t
@@ -17,10 +19,12 @@ module kj_c_step
 
    public :: c_step, find_forces, place_node, reach_motions
 
-   !> Stages of a step that threads share, lead by lead or joint by joint
-   integer, parameter :: MOVE = 1, OPEN = 2, LOOK = 3, MEET = 4, GATHERING = 5, KICKING = 6, &
-      LAST_OF_LEADS = 6
-   integer, parameter :: SPRINGS = 7, DAMPERS = 8
+   !> Stages of a step that threads share, lead by lead
+   integer, parameter :: MOVE = 1, OPEN = 2, LOOK = 3, MEET = 4, GATHERING = 5, KICKING = 6
+   !> and joint by joint
+   integer, parameter :: SPRINGS = 1, DAMPERS = 2
+   !> What they go through: leads, tasks of the plan, or leads that have to wait in it
+   integer, parameter :: ALL_LEADS = 1, PLANNED = 2, LATE = 3
 
    !> What the stages of a step are told
    type :: step_t
@@ -48,14 +52,18 @@ contains
       step%h = h
       state%h = h
       call motion_targets(model, state, h, step%target, final, step%active)
-      call in_pieces(MOVE, model, c, step, state)
+      call for_leads(MOVE, model, c, step, state)
       call count_work(state)
       state%cycle = state%cycle + 1
       state%time = state%time + h
       call reach_motions(model, h, step%target, final, step%active, state)
       step%target = final
       call sum_forces(model, c, step, state)
-      call in_pieces(KICKING, model, c, step, state)
+      if (c%damped) then
+         call for_joints(DAMPERS, KICKING, model, c, step, state)
+      else
+         call for_leads(KICKING, model, c, step, state)
+      end if
       call count_work(state)
    end subroutine c_step
 
@@ -74,12 +82,12 @@ contains
       step%h = h
       step%target = target
       step%active = active
-      call in_pieces(OPEN, model, c, step, state)
+      call for_leads(OPEN, model, c, step, state)
       call sum_forces(model, c, step, state)
-      if (c%damped) call in_pieces(GATHERING, model, c, step, state)
+      if (c%damped) call for_joints(DAMPERS, GATHERING, model, c, step, state)
    end subroutine find_forces
 
-   !> Forces of all, but for the last wrenches of the dampers, which are not added up yet
+   !> Forces of all but the dampers, and what these look at
    subroutine sum_forces(model, c, step, state)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
@@ -90,85 +98,143 @@ contains
       call find_gravity(model, state)
       state%poses%time = state%time
       state%poses%h = step%h
-      call in_pieces(SPRINGS, model, c, step, state)
-      call in_pieces(MEET, model, c, step, state)
+      call for_joints(SPRINGS, MEET, model, c, step, state)
       call count_gravity(c, step%h, state)
       call add_loads(model, state)
       call add_host_loads(step%h, state)
       if (.not. c%damped) return
-      if (is_loaded(model, state)) call in_pieces(LOOK, model, c, step, state)
+      if (is_loaded(model, state)) call for_leads(LOOK, model, c, step, state)
       call look_ahead(c, step%h, state)
       call project_rates(c, state, step%target, step%active)
-      call in_pieces(DAMPERS, model, c, step, state)
    end subroutine sum_forces
 
-   !> A stage piece by piece: in threads, or without them. Even a team of one thread costs a
-   !> microsecond, more than the stage of a few joints.
-   subroutine in_pieces(stage, model, c, step, state)
+   !> A stage of all leads
+   subroutine for_leads(stage, model, c, step, state)
       integer, intent(in) :: stage
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      integer :: shares(0:c%team%threads), share, piece
+      call in_pieces(ALL_LEADS, [0, stage], c%team%leads, model, c, step, state)
+   end subroutine for_leads
 
-      shares = c%team%joints
-      if (stage <= LAST_OF_LEADS) shares = c%team%leads
+   !> A stage of all joints, and one of all leads that follow them, in the order of the plan
+   subroutine for_joints(joints, leads, model, c, step, state)
+      integer, intent(in) :: joints                  !! stage
+      integer, intent(in) :: leads                   !! stage, 0 = none
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(step_t), intent(in) :: step
+      type(c_state_t), intent(inout) :: state
+
+      call in_pieces(PLANNED, [joints, leads], c%plan%shares, model, c, step, state)
+      if (leads > 0) &
+         call in_pieces(LATE, [joints, leads], c%plan%late_shares, model, c, step, state)
+   end subroutine for_joints
+
+   !> Stages piece by piece: in threads, or without them. Even a team of one thread costs a
+   !> microsecond, more than the stage of a few joints.
+   subroutine in_pieces(set, stages, shares, model, c, step, state)
+      integer, intent(in) :: set                     !! ALL_LEADS, PLANNED or LATE
+      integer, intent(in) :: stages(2)               !! of joints and of leads
+      integer, intent(in) :: shares(0:)              !! pieces up to the end of each thread's share
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(step_t), intent(in) :: step
+      type(c_state_t), intent(inout) :: state
+
+      integer :: share, piece
+
       if (c%team%threads == 1) then
          do piece = 1, shares(1)
-            call work_on(stage, piece, model, c, step, state)
+            call work_on(set, stages, piece, model, c, step, state)
          end do
          return
       end if
       !$omp parallel do schedule(static, 1) num_threads(c%team%threads) private(piece)
       do share = 1, c%team%threads
          do piece = shares(share - 1) + 1, shares(share)
-            call work_on(stage, piece, model, c, step, state)
+            call work_on(set, stages, piece, model, c, step, state)
          end do
       end do
    end subroutine in_pieces
 
-   !> One stage of one piece of the leads or of the joints
-   subroutine work_on(stage, piece, model, c, step, state)
+   !> A piece of a set
+   subroutine work_on(set, stages, piece, model, c, step, state)
+      integer, intent(in) :: set, stages(2), piece
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(step_t), intent(in) :: step
+      type(c_state_t), intent(inout) :: state
+
+      select case (set)
+      case (ALL_LEADS)
+         call work_on_leads(stages(2), piece, model, c, step, state)
+      case (LATE)
+         call work_on_leads(stages(2), c%plan%late(piece), model, c, step, state)
+      case (PLANNED)
+         associate (item => c%plan%item(piece))
+            select case (c%plan%kind(piece))
+            case (DO_JOINTS)
+               call work_on_joints(stages(1), item, model, c, step, state)
+            case (DO_PART)
+               call sum_part(model%map, state%wrench, c%plan%hub(item), item, state%part(:, item))
+            case (DO_LEADS)
+               if (stages(2) > 0) call work_on_leads(stages(2), item, model, c, step, state)
+            end select
+         end associate
+      end select
+   end subroutine work_on
+
+   !> One stage of one piece of the leads
+   subroutine work_on_leads(stage, piece, model, c, step, state)
       integer, intent(in) :: stage, piece
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      integer :: b, lo, hi
+      associate (lo => c%team%lead(1, piece), hi => c%team%lead(2, piece))
+         select case (stage)
+         case (MOVE)
+            call move_leads(model, c, step%midpoint, step%h, step%target, step%active, lo, hi, &
+               state)
+         case (OPEN)
+            call open_leads(c, step%h, lo, hi, state)
+         case (MEET)
+            call meet_leads(model, c, step%h, c%damped .and. .not. is_loaded(model, state), lo, &
+               hi, state)
+         case (GATHERING)
+            call gather(model, c, lo, hi, state)
+         case (LOOK)
+            call look_leads(c, step%h, lo, hi, state)
+         case (KICKING)
+            call kick_leads(model, c, step%h, step%target, step%active, lo, hi, state)
+         end select
+      end associate
+   end subroutine work_on_leads
 
-      if (stage <= LAST_OF_LEADS) then
-         lo = c%team%lead(1, piece)
-         hi = c%team%lead(2, piece)
-      else
-         b = c%team%joint(1, piece)
-         lo = c%team%joint(2, piece)
-         hi = c%team%joint(3, piece)
-      end if
-      select case (stage)
-      case (MOVE)
-         call move_leads(model, c, step%midpoint, step%h, step%target, step%active, lo, hi, state)
-      case (OPEN)
-         call open_leads(c, step%h, lo, hi, state)
-      case (MEET)
-         call meet_leads(model, c, step%h, c%damped .and. .not. is_loaded(model, state), lo, hi, &
-            state)
-      case (GATHERING)
-         call gather(model%map, state%wrench, lo, hi, state%f, state%t)
-      case (LOOK)
-         call look_leads(c, step%h, lo, hi, state)
-      case (KICKING)
-         call kick_leads(model, c, step%h, step%target, step%active, lo, hi, state)
-      case (SPRINGS)
-         call add_springs(c%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &
-            state%wrench)
-      case (DAMPERS)
-         call add_dampers(c%batch(b), model%curves, state%poses, step%h, lo, hi, state%joint(b), &
-            state%wrench)
-      end select
-   end subroutine work_on
+   !> One stage of one piece of the joints
+   subroutine work_on_joints(stage, piece, model, c, step, state)
+      integer, intent(in) :: stage, piece
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(step_t), intent(in) :: step
+      type(c_state_t), intent(inout) :: state
+
+      associate (b => c%team%joint(1, piece), lo => c%team%joint(2, piece), &
+         hi => c%team%joint(3, piece))
+         select case (stage)
+         case (SPRINGS)
+            call add_springs(c%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &
+               state%wrench)
+         case (DAMPERS)
+            call add_dampers(c%batch(b), model%curves, state%poses, step%h, lo, hi, &
+               state%joint(b), state%wrench)
+         end select
+      end associate
+   end subroutine work_on_joints
 
    !> Loads act on leads beside joints and gravity
    pure logical function is_loaded(model, state)

@@ -42,6 +42,7 @@ contains
       end associate
    end subroutine gather
 
+   !> Forces on leads, and their accelerations
    subroutine gather_and_accelerate(model, state, piece)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
