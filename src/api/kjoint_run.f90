@@ -2,6 +2,7 @@
 submodule (kjoint) kjoint_run
    use kj_error, only: fail, str, add_finding
    use kj_system, only: wall_clock
+   use kj_model, only: STOP_BELOW
    use kj_legacy_check, only: warn_large_turn
    use kj_state, only: new_state, OWNER_JOINT
    use kj_step, only: find_accelerations, advance
@@ -79,7 +80,8 @@ contains
       associate (state => sim%state, control => sim%model%control)
          do
             due = state%time >= t_next
-            last = state%time + 1.2_wp*state%h2 > control%t_stop .or. stop
+            last = state%time + 1.2_wp*state%h2 > control%t_stop .or. stop .or. &
+               control%below_min == STOP_BELOW         ! any cycle may be the last
             call find_accelerations(sim%model, state, due .or. last, error)
             if (allocated(error)) return
             if (state%cycle == 0) call start_energy(sim)
