@@ -3,7 +3,7 @@ module kj_sort
    implicit none
    private
 
-   public :: lookup_t, new_lookup, find, sorted_order, sort_unique
+   public :: lookup_t, new_lookup, find, lower_bound, sorted_order, sort_unique
 
    !> Ids in ascending order and where each stood
    type :: lookup_t
@@ -90,21 +90,31 @@ contains
       type(lookup_t), intent(in) :: lookup
       integer, intent(in) :: id
 
-      integer :: lo, hi, mid
+      integer :: i
+
+      i = lower_bound(lookup%id, id)
+      place = 0
+      if (i > size(lookup%id)) return
+      if (lookup%id(i) == id) place = lookup%place(i)
+   end function find
+
+   !> First place whose key is not below this one, size(keys) + 1 when all are
+   pure integer function lower_bound(keys, key) result(lo)
+      integer, intent(in) :: keys(:)      !! ascending
+      integer, intent(in) :: key
+
+      integer :: hi, middle
 
       lo = 1
-      hi = size(lookup%id)
+      hi = size(keys) + 1
       do while (lo < hi)
-         mid = (lo + hi)/2
-         if (lookup%id(mid) < id) then
-            lo = mid + 1
+         middle = (lo + hi)/2
+         if (keys(middle) < key) then
+            lo = middle + 1
          else
-            hi = mid
+            hi = middle
          end if
       end do
-      place = 0
-      if (lo > size(lookup%id)) return
-      if (lookup%id(lo) == id) place = lookup%place(lo)
-   end function find
+   end function lower_bound
 
 end module kj_sort

@@ -9,7 +9,7 @@ module kj_team
    implicit none
    private
 
-   public :: team_t, new_team, even_shares, has_threads
+   public :: team_t, new_team, has_threads
 
    integer, parameter, public :: GRAIN = 128      !! cuts lie at its multiples: whole blocks
    integer, parameter :: PIECES = 4               !! for each thread
@@ -84,18 +84,7 @@ contains
       joint = joint(:, sorted_order(place))
    end subroutine cut_batches
 
-   !> (0:threads) pieces up to the end of each thread's share, as many for each
-   pure function even_shares(n, threads) result(to)
-      integer, intent(in) :: n                    !! pieces
-      integer, intent(in) :: threads
-      integer :: to(0:threads)
-
-      integer :: k
-
-      to = [((k*n)/threads, k=0, threads)]
-   end function even_shares
-
-   !> The same by the work of each piece
+   !> (0:threads) pieces up to the end of each thread's share, by the work of each piece
    pure function fair_shares(work, threads) result(to)
       real(wp), intent(in) :: work(:)
       integer, intent(in) :: threads

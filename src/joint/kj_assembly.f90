@@ -3,6 +3,7 @@
 !> more than SPAN joint ends, a "hub", sums them SPAN by SPAN: threads can share these parts.
 module kj_assembly
    use kj_kinds, only: wp
+   use kj_sort, only: lower_bound
    use kj_joint_force, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN, W_KR1, W_KR2
    implicit none
    private
@@ -69,25 +70,6 @@ contains
       entries(2) = min(entries(1) + SPAN, map%first(map%hub(h) + 1)) - 1
    end function part_entries
 
-   !> First hub that is not before a lead
-   pure integer function hub_from(map, lead) result(lo)
-      type(lead_map_t), intent(in) :: map
-      integer, intent(in) :: lead
-
-      integer :: hi, middle
-
-      lo = 1
-      hi = size(map%hub) + 1
-      do while (lo < hi)
-         middle = (lo + hi)/2
-         if (map%hub(middle) < lead) then
-            lo = middle + 1
-         else
-            hi = middle
-         end if
-      end do
-   end function hub_from
-
    !> Sum of the wrenches of a part of hub h
    pure subroutine sum_part(map, wrench, h, part, total)
       type(lead_map_t), intent(in) :: map
@@ -116,7 +98,7 @@ contains
       integer :: from, to, h
 
       from = lo
-      do h = hub_from(map, lo), size(map%hub)
+      do h = lower_bound(map%hub, lo), size(map%hub)
          to = map%hub(h)
          if (to > hi) exit
          call sum_rows(to - from, map%first(from:to), map%joint, wrench, f(from:, :), &

@@ -1,6 +1,6 @@
 !> Lists of nodes while a group is put together: they grow, lose members, and end sorted.
 module kj_node_list
-   use kj_sort, only: lookup_t, sorted_order
+   use kj_sort, only: lower_bound, sorted_order
    use kj_deck_data, only: lengthen
    use kj_draft, only: draft_t
    implicit none
@@ -46,37 +46,21 @@ contains
       integer, intent(in) :: raw(:)              !! ascending user id
       type(node_list_t), intent(inout) :: list
 
-      integer :: i, n
+      integer, allocatable :: id(:)
+      integer :: i, n, at
 
+      id = draft%id(raw)
       n = 0
       do i = 1, list%n
-         if (holds(draft, raw, list%node(i))) cycle
+         at = lower_bound(id, draft%id(list%node(i)))
+         if (at <= size(raw)) then
+            if (raw(at) == list%node(i)) cycle
+         end if
          n = n + 1
          list%node(n) = list%node(i)
       end do
       list%n = n
    end subroutine remove_nodes
-
-   !> A list that ascends in user ids holds a node
-   pure logical function holds(draft, raw, node)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: raw(:), node
-
-      integer :: lo, hi, middle
-
-      lo = 1
-      hi = size(raw)
-      do while (lo < hi)
-         middle = (lo + hi)/2
-         if (draft%id(raw(middle)) < draft%id(node)) then
-            lo = middle + 1
-         else
-            hi = middle
-         end if
-      end do
-      holds = .false.
-      if (lo <= size(raw)) holds = raw(lo) == node
-   end function holds
 
    !> Append the nodes whose ids are in [first, last]
    pure subroutine add_range(draft, first, last, list)
@@ -86,7 +70,7 @@ contains
 
       integer :: i
 
-      do i = lower_bound(draft%node, first), size(draft%node%id)
+      do i = lower_bound(draft%node%id, first), size(draft%node%id)
          if (draft%node%id(i) > last) return
          call add_node(draft%node%place(i), list)
       end do
@@ -100,7 +84,7 @@ contains
 
       integer :: i
 
-      do i = lower_bound(draft%node, first), size(draft%node%id)
+      do i = lower_bound(draft%node%id, first), size(draft%node%id)
          if (draft%node%id(i) > last) return
          if (is_step(draft%node%id(i), first, step)) call add_node(draft%node%place(i), list)
       end do
@@ -121,10 +105,10 @@ contains
 
       integer :: i, k
 
-      do k = lower_bound(draft%part, first), size(draft%part%id)
+      do k = lower_bound(draft%part%id, first), size(draft%part%id)
          if (draft%part%id(k) > last) return
          associate (part => draft%part%place(k), elements => draft%elements%of_part)
-            do i = lower_bound(elements, part), size(elements%id)
+            do i = lower_bound(elements%id, part), size(elements%id)
                if (elements%id(i) > part) exit
                call add_ends(draft, elements%place(i), list)
             end do
@@ -141,7 +125,7 @@ contains
       integer :: i
 
       associate (lookup => draft%elements%id)
-         do i = lower_bound(lookup, first), size(lookup%id)
+         do i = lower_bound(lookup%id, first), size(lookup%id)
             if (lookup%id(i) > last) return
             call add_ends(draft, lookup%place(i), list)
          end do
@@ -160,25 +144,6 @@ contains
             call add_node(draft%elements%node(e, element), list)
       end do
    end subroutine add_ends
-
-   !> First place in a lookup whose id is not below this one
-   pure integer function lower_bound(lookup, id) result(lo)
-      type(lookup_t), intent(in) :: lookup
-      integer, intent(in) :: id
-
-      integer :: hi, middle
-
-      lo = 1
-      hi = size(lookup%id) + 1
-      do while (lo < hi)
-         middle = (lo + hi)/2
-         if (lookup%id(middle) < id) then
-            lo = middle + 1
-         else
-            hi = middle
-         end if
-      end do
-   end function lower_bound
 
    !> The nodes of a list, each once, ascending user id
    pure subroutine finish_list(draft, list, node)

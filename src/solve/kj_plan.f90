@@ -3,7 +3,7 @@
 !> its cache. Leads whose joints belong to several threads come late, in a stage of their own.
 module kj_plan
    use kj_sort, only: sorted_order
-   use kj_team, only: team_t, even_shares
+   use kj_team, only: team_t
    use kj_assembly, only: lead_map_t, part_entries
    implicit none
    private
@@ -47,7 +47,7 @@ contains
       early = are_early(team, leads)
       plan%late = pack([(i, i=1, size(early))], .not. early)
       allocate (plan%shares(0:team%threads), plan%late_shares(0:team%threads))
-      plan%late_shares = even_shares(size(plan%late), team%threads)
+      plan%late_shares = [((i*size(plan%late))/team%threads, i=0, team%threads)]
       call list_tasks(team, early, part(2, :), leads(2, :), plan)
    end subroutine new_plan
 

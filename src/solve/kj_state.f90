@@ -55,12 +55,12 @@ module kj_state
       type(world_t) :: world                               !! x, w, skew axes
       real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3); d where it is read
       real(wp), allocatable :: a(:, :), al(:, :)           !! (n_lead, 3)
-      !> (n_lead, 3) from joints and secondaries, where `kept`
+      !> (n_lead, 3) from joints and secondaries; they, kn and kr where `kept`
       real(wp), allocatable :: f(:, :), m(:, :)
       real(wp), allocatable :: f_own(:, :), m_own(:, :)    !! (n_lead, 3) loads on the lead itself
       !> (n_lead, 3) of these, what an embedding host applies; not allocated: nothing
       real(wp), allocatable :: f_host(:, :), m_host(:, :)
-      real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) the same of the time step
+      real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
       real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
       !> of each piece of leads, least m/k or I/k_r
       real(wp), allocatable :: least(:)
