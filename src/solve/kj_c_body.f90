@@ -194,24 +194,32 @@ contains
       call turn_arm(n, p, a, b)
    end subroutine conjugate_turn
 
-   !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m, J^-1 (L + h/2 t)
+   !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m,
+   !> J^-1 (L + h/2 t), with what the host of single joints adds to f and t
    pure subroutine predict(c, h, lo, hi, state)
       type(c_model_t), intent(in) :: c
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
       type(c_state_t), intent(inout) :: state
 
-      real(wp) :: l(BLOCK, 3)
-      integer :: from, n, i, j, k
+      real(wp), dimension(BLOCK, 3) :: f, t, l
+      integer :: from, to, n, i, j, k
 
       do from = lo, hi, BLOCK
-         n = min(BLOCK, hi - from + 1)
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         f(:n, :) = state%f(from:to, :)
+         t(:n, :) = state%t(from:to, :)
+         if (allocated(state%f_ahead)) then
+            f(:n, :) = f(:n, :) + state%f_ahead(from:to, :)
+            t(:n, :) = t(:n, :) + state%t_ahead(from:to, :)
+         end if
          do k = 1, 3
             !$omp simd private(j)
             do i = 1, n
                j = from + i - 1
-               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h*c%im(j)*state%f(j, k)
-               l(i, k) = state%l(j, k) + 0.5_wp*h*state%t(j, k)
+               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h*c%im(j)*f(i, k)
+               l(i, k) = state%l(j, k) + 0.5_wp*h*t(i, k)
             end do
          end do
          call spin_block(c, state%poses%quat, from, n, l, state%poses%w)

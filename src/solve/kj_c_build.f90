@@ -2,7 +2,7 @@
 module kj_c_build
    use kj_kinds, only: wp
    use kj_team, only: new_team
-   use kj_plan, only: new_plan
+   use kj_plan, only: new_plan, plan_of_leads
    use kj_assembly, only: SPAN, N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
@@ -47,7 +47,9 @@ contains
       end do
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
          min(SPAN, c%n_joint), c%team)
-      call new_plan(model%batch%first, model%map, c%team, c%plan)
+      call new_plan(model%batch%first, model%map, c%team, c%once)
+      call new_plan(model%batch%first, model%map, c%team, c%twice, rests=at_rest(c))
+      call plan_of_leads(c%team, c%alone)
       c%damped = any([(c%batch(b)%damped, b=1, size(c%batch))])
       c%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
       c%placed = [integer ::]
@@ -146,6 +148,22 @@ contains
          if (all_blocked(c%hold(h)%rot, c%hold(h)%n_rot)) c%ii(i, :) = 0.0_wp
       end do
    end subroutine set_inertia
+
+   !> Leads that are blocked in all directions
+   pure function at_rest(c) result(rests)
+      type(c_model_t), intent(in) :: c
+      logical :: rests(size(c%hold_of))
+
+      integer :: i
+
+      rests = .false.
+      do i = 1, size(c%hold)
+         associate (hold => c%hold(i))
+            rests(hold%lead) = all_blocked(hold%trans, hold%n_trans) .and. &
+               all_blocked(hold%rot, hold%n_rot)
+         end associate
+      end do
+   end function at_rest
 
    pure logical function all_blocked(rows, n) result(blocked)
       type(row_t), intent(in) :: rows(3)
@@ -281,7 +299,7 @@ contains
          call new_c_joint(c%batch(b)%n, state%joint(b))
          if (c%batch(b)%limited) call new_c_limits(c%batch(b)%n, state%joint(b))
       end do
-      allocate (state%part(N_SUM, size(c%plan%hub)), source=0.0_wp)
+      allocate (state%part(N_SUM, size(c%once%hub), 2), source=0.0_wp)
       allocate (state%wrench(N_C_WRENCH, model%n_element), state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
          source=0.0_wp)

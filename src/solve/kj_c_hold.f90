@@ -239,18 +239,20 @@ contains
       p = p + matmul(impulse, b(:n, :))
    end subroutine drive
 
-   !> Velocities that pass 2 of the joints sees: predicted ones, brought onto the conditions
-   subroutine project_rates(c, state, target, active)
+   !> Velocities that pass 2 of the joints sees: predicted ones, brought onto the conditions of
+   !> holds first..last
+   subroutine project_rates(c, target, active, first, last, state)
       type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(inout) :: state
       real(wp), intent(in) :: target(:)
       logical, intent(in) :: active(:)
+      integer, intent(in) :: first, last
+      type(c_state_t), intent(inout) :: state
 
       real(wp) :: b(3, 3), u(3), power, l(3), g(3, 3)
       logical :: drives(3)
       integer :: i, lead, n
 
-      do i = 1, size(c%hold)
+      do i = first, last
          lead = c%hold(i)%lead
          call rows_of(state, c%hold(i)%trans(:c%hold(i)%n_trans), target, active, b, u, drives, n)
          if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), &

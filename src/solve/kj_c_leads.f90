@@ -3,7 +3,7 @@
 !> Source: consistent.md 1.
 module kj_c_leads
    use kj_kinds, only: wp
-   use kj_team, only: GRAIN, MOST
+   use kj_team, only: GRAIN
    use kj_joint_frame, only: BLOCK
    use kj_model, only: model_t
    use kj_assembly, only: gather_wrenches
@@ -11,7 +11,7 @@ module kj_c_leads
    use kj_c_midpoint, only: midpoint_drift
    use kj_c_body, only: kick, drift, predict, spin_velocity, inverse_inertias
    use kj_c_load, only: add_gravity
-   use kj_c_hold, only: project, keep_rates, hold_rotations, FIRST_HALF, SECOND_HALF
+   use kj_c_hold, only: project, keep_rates, hold_rotations, project_rates, FIRST_HALF, SECOND_HALF
    implicit none
    private
 
@@ -120,43 +120,42 @@ contains
       end do
    end subroutine open_leads
 
-   !> Forces of joints and gravity on leads lo..hi, and what the dampers look at. lo is the first
-   !> lead of a block of kj_gravity.
-   subroutine meet_leads(model, c, h, look, lo, hi, state)
+   !> Forces of joints and gravity on leads lo..hi. lo is the first lead of a block of kj_gravity.
+   subroutine meet_leads(model, c, ready, round, lo, hi, state)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
-      real(wp), intent(in) :: h
-      logical, intent(in) :: look                    !! no other force is to come
+      logical, intent(in) :: ready(:)                !! (parts of hubs) summed
+      integer, intent(in) :: round                   !! of their sums
       integer, intent(in) :: lo, hi
       type(c_state_t), intent(inout) :: state
 
-      integer :: from, to
-
-      do from = lo, hi, GRAIN
-         to = min(from + GRAIN - 1, hi)
-         call gather(model, c, from, to, state)
-         call add_gravity(model, c, from, to, state)
-         if (look) call look_leads(c, h, from, to, state)
-      end do
+      call gather(model, ready, round, lo, hi, state)
+      call add_gravity(model, c, lo, hi, state)
    end subroutine meet_leads
 
-   !> What the dampers look at: predicted velocities and inverse inertias
-   subroutine look_leads(c, h, lo, hi, state)
+   !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
+   !> inertias
+   subroutine look_leads(c, h, target, active, lo, hi, state)
       type(c_model_t), intent(in) :: c
       real(wp), intent(in) :: h
-      integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
+      logical, intent(in) :: active(:)
+      integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(c_state_t), intent(inout) :: state
 
-      integer :: from, to
+      integer :: from, to, first, last
 
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
+         first = c%hold_to((from - 1)/BLOCK) + 1
+         last = c%hold_to((to + BLOCK - 1)/BLOCK)
          call predict(c, h, from, to, state)
+         call project_rates(c, target, active, first, last, state)
          call inverse_inertias(c, state%poses%quat, from, to, state%poses%ij)
       end do
    end subroutine look_leads
 
-   !> Second half kick of leads lo..hi, after the wrenches of the dampers, and the sum of turns
+   !> Second half kick of leads lo..hi and the sum of turns
    subroutine kick_leads(model, c, h, target, active, lo, hi, state)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
@@ -172,7 +171,6 @@ contains
          to = min(from + BLOCK - 1, hi)
          first = c%hold_to((from - 1)/BLOCK) + 1
          last = c%hold_to((to + BLOCK - 1)/BLOCK)
-         if (c%damped) call gather(model, c, from, to, state)
          call keep_rates(c, first, last, state)
          call half_kick(model, c, h, from, to, state)
          call project(model, c, target, active, SECOND_HALF, first, last, state)
@@ -183,18 +181,20 @@ contains
       end do
    end subroutine kick_leads
 
-   !> Add the wrenches of the joints to the leads lo..hi, at most MOST
-   pure subroutine gather(model, c, lo, hi, state)
+   !> Add the wrenches of the joints to the leads lo..hi, at most GRAIN
+   pure subroutine gather(model, ready, round, lo, hi, state)
       type(model_t), intent(in) :: model
-      type(c_model_t), intent(in) :: c
+      logical, intent(in) :: ready(:)                !! (parts of hubs) summed
+      integer, intent(in) :: round                   !! of their sums
       integer, intent(in) :: lo, hi
       type(c_state_t), intent(inout) :: state
 
-      real(wp), dimension(MOST, 3) :: f, t
-      real(wp), dimension(MOST) :: kn, kr            ! these wrenches have none
+      real(wp), dimension(GRAIN, 3) :: f, t
+      real(wp), dimension(GRAIN) :: kn, kr            ! these wrenches have none
       integer :: n
 
-      call gather_wrenches(model%map, state%wrench, c%plan%ready, state%part, lo, hi, f, t, kn, kr)
+      call gather_wrenches(model%map, state%wrench, ready, state%part(:, :, round), lo, hi, f, t, &
+         kn, kr)
       n = hi - lo + 1
       state%f(lo:hi, :) = state%f(lo:hi, :) + f(:n, :)
       state%t(lo:hi, :) = state%t(lo:hi, :) + t(:n, :)

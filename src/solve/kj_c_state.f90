@@ -40,7 +40,8 @@ module kj_c_state
    type :: c_model_t
       type(c_batch_t), allocatable :: batch(:)
       type(team_t) :: team                       !! pieces for the threads
-      type(plan_t) :: plan                       !! and their order
+      ! and their order: joints and leads once, twice (springs and dampers), leads alone
+      type(plan_t) :: once, twice, alone
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: im(:)             !! (n_lead) inverse mass, 0 where held or massless
       real(wp), allocatable :: i(:, :), ii(:, :) !! (n_lead, 3) principal inertia and its inverse
@@ -83,7 +84,7 @@ module kj_c_state
       type(kept_t) :: kept
       type(c_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_C_WRENCH, n_element)
-      real(wp), allocatable :: part(:, :)        !! (N_SUM, parts of hubs) their sums
+      real(wp), allocatable :: part(:, :, :)     !! (N_SUM, parts of hubs, 2 rounds) their sums
       !> (n_motion) value reached: velocity of an imposed acceleration
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads

@@ -3,28 +3,27 @@
 module kj_c_step
    use kj_kinds, only: wp
    use kj_math3, only: cross
+   use kj_team, only: GRAIN
    use kj_model, only: model_t
    use kj_skew, only: move_skews
    use kj_assembly, only: sum_part
-   use kj_plan, only: DO_JOINTS, DO_PART, DO_LEADS
+   use kj_plan, only: plan_t, DO_JOINTS, DO_PART, DO_LEADS
    use kj_c_force, only: add_springs
    use kj_c_damper, only: add_dampers
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_load, only: add_loads, find_gravity, count_gravity
-   use kj_c_host, only: add_host_loads, look_ahead
+   use kj_c_host, only: add_host_loads
    use kj_c_leads, only: move_leads, open_leads, meet_leads, look_leads, kick_leads, gather
-   use kj_c_hold, only: project_rates, motion_targets, count_work
+   use kj_c_hold, only: motion_targets, count_work
    implicit none
    private
 
    public :: c_step, find_forces, place_node, reach_motions
 
-   !> Stages of a step that threads share, lead by lead
-   integer, parameter :: MOVE = 1, OPEN = 2, LOOK = 3, MEET = 4, GATHERING = 5, KICKING = 6
-   !> and joint by joint
-   integer, parameter :: SPRINGS = 1, DAMPERS = 2
-   !> What they go through: leads, tasks of the plan, or leads that have to wait in it
-   integer, parameter :: ALL_LEADS = 1, PLANNED = 2, LATE = 3
+   !> What threads do with pieces of leads, and of joints
+   integer, parameter :: MOVE = 1, OPEN = 2, MEET = 3, LOOK = 4, MEET_AND_LOOK = 5, GATHERING = 6, &
+      KICKING = 7, GATHER_AND_KICK = 8
+   integer, parameter :: NOTHING = 0, SPRINGS = 1, DAMPERS = 2
 
    !> What the stages of a step are told
    type :: step_t
@@ -58,12 +57,8 @@ contains
       state%time = state%time + h
       call reach_motions(model, h, step%target, final, step%active, state)
       step%target = final
-      call sum_forces(model, c, step, state)
-      if (c%damped) then
-         call for_joints(DAMPERS, KICKING, model, c, step, state)
-      else
-         call for_leads(KICKING, model, c, step, state)
-      end if
+      call sum_forces(GATHER_AND_KICK, model, c, step, state)
+      if (.not. c%damped) call for_leads(KICKING, model, c, step, state)
       call count_work(state)
    end subroutine c_step
 
@@ -83,12 +78,13 @@ contains
       step%target = target
       step%active = active
       call for_leads(OPEN, model, c, step, state)
-      call sum_forces(model, c, step, state)
-      if (c%damped) call for_joints(DAMPERS, GATHERING, model, c, step, state)
+      call sum_forces(GATHERING, model, c, step, state)
    end subroutine find_forces
 
-   !> Forces of all but the dampers, and what these look at
-   subroutine sum_forces(model, c, step, state)
+   !> Forces of all but the dampers, and then of these from what they look at. Where no load is in
+   !> between, dampers follow as soon as both leads of a joint have met their forces.
+   subroutine sum_forces(last, model, c, step, state)
+      integer, intent(in) :: last                    !! what leads do after the dampers
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
@@ -98,126 +94,117 @@ contains
       call find_gravity(model, state)
       state%poses%time = state%time
       state%poses%h = step%h
-      call for_joints(SPRINGS, MEET, model, c, step, state)
+      if (c%damped .and. .not. is_loaded(model, state)) then
+         call go_through(c%twice, [SPRINGS, DAMPERS], [MEET_AND_LOOK, last], model, c, step, state)
+         call count_gravity(c, step%h, state)
+         return
+      end if
+      call go_through(c%once, [SPRINGS], [MEET], model, c, step, state)
       call count_gravity(c, step%h, state)
       call add_loads(model, state)
       call add_host_loads(step%h, state)
       if (.not. c%damped) return
-      if (is_loaded(model, state)) call for_leads(LOOK, model, c, step, state)
-      call look_ahead(c, step%h, state)
-      call project_rates(c, state, step%target, step%active)
+      call for_leads(LOOK, model, c, step, state)
+      call go_through(c%once, [DAMPERS], [last], model, c, step, state)
    end subroutine sum_forces
 
-   !> A stage of all leads
-   subroutine for_leads(stage, model, c, step, state)
-      integer, intent(in) :: stage
+   !> One thing with all leads
+   subroutine for_leads(what, model, c, step, state)
+      integer, intent(in) :: what
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      call in_pieces(ALL_LEADS, [0, stage], c%team%leads, model, c, step, state)
+      call go_through(c%alone, [NOTHING], [what], model, c, step, state)
    end subroutine for_leads
 
-   !> A stage of all joints, and one of all leads that follow them, in the order of the plan
-   subroutine for_joints(joints, leads, model, c, step, state)
-      integer, intent(in) :: joints                  !! stage
-      integer, intent(in) :: leads                   !! stage, 0 = none
+   !> Stages of a plan one after the other, piece by piece: in threads, or without them. Even a team
+   !> of one thread costs a microsecond, more than the stage of a few joints.
+   subroutine go_through(plan, joints, leads, model, c, step, state)
+      type(plan_t), intent(in) :: plan
+      integer, intent(in) :: joints(:), leads(:)     !! (rounds) what to do with them
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      call in_pieces(PLANNED, [joints, leads], c%plan%shares, model, c, step, state)
-      if (leads > 0) &
-         call in_pieces(LATE, [joints, leads], c%plan%late_shares, model, c, step, state)
-   end subroutine for_joints
+      integer :: s, share, task
 
-   !> Stages piece by piece: in threads, or without them. Even a team of one thread costs a
-   !> microsecond, more than the stage of a few joints.
-   subroutine in_pieces(set, stages, shares, model, c, step, state)
-      integer, intent(in) :: set                     !! ALL_LEADS, PLANNED or LATE
-      integer, intent(in) :: stages(2)               !! of joints and of leads
-      integer, intent(in) :: shares(0:)              !! pieces up to the end of each thread's share
-      type(model_t), intent(in) :: model
-      type(c_model_t), intent(in) :: c
-      type(step_t), intent(in) :: step
-      type(c_state_t), intent(inout) :: state
-
-      integer :: share, piece
-
-      if (c%team%threads == 1) then
-         do piece = 1, shares(1)
-            call work_on(set, stages, piece, model, c, step, state)
-         end do
-         return
-      end if
-      !$omp parallel do schedule(static, 1) num_threads(c%team%threads) private(piece)
-      do share = 1, c%team%threads
-         do piece = shares(share - 1) + 1, shares(share)
-            call work_on(set, stages, piece, model, c, step, state)
+      do s = 1, size(plan%stage)
+         if (c%team%threads == 1) then
+            do task = 1, size(plan%stage(s)%item)
+               call do_task(plan, s, task, joints, leads, model, c, step, state)
+            end do
+            cycle
+         end if
+         !$omp parallel do schedule(static, 1) num_threads(c%team%threads) private(task)
+         do share = 1, c%team%threads
+            do task = plan%stage(s)%shares(share - 1) + 1, plan%stage(s)%shares(share)
+               call do_task(plan, s, task, joints, leads, model, c, step, state)
+            end do
          end do
       end do
-   end subroutine in_pieces
+   end subroutine go_through
 
-   !> A piece of a set
-   subroutine work_on(set, stages, piece, model, c, step, state)
-      integer, intent(in) :: set, stages(2), piece
+   !> A task of stage s
+   subroutine do_task(plan, s, task, joints, leads, model, c, step, state)
+      type(plan_t), intent(in) :: plan
+      integer, intent(in) :: s, task, joints(:), leads(:)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      select case (set)
-      case (ALL_LEADS)
-         call work_on_leads(stages(2), piece, model, c, step, state)
-      case (LATE)
-         call work_on_leads(stages(2), c%plan%late(piece), model, c, step, state)
-      case (PLANNED)
-         associate (item => c%plan%item(piece))
-            select case (c%plan%kind(piece))
-            case (DO_JOINTS)
-               call work_on_joints(stages(1), item, model, c, step, state)
-            case (DO_PART)
-               call sum_part(model%map, state%wrench, c%plan%hub(item), item, state%part(:, item))
-            case (DO_LEADS)
-               if (stages(2) > 0) call work_on_leads(stages(2), item, model, c, step, state)
-            end select
-         end associate
-      end select
-   end subroutine work_on
+      associate (item => plan%stage(s)%item(task), round => plan%stage(s)%round(task))
+         select case (plan%stage(s)%kind(task))
+         case (DO_JOINTS)
+            call work_on_joints(joints(round), item, model, c, step, state)
+         case (DO_PART)
+            call sum_part(model%map, state%wrench, plan%hub(item), item, state%part(:, item, round))
+         case (DO_LEADS)
+            call work_on_leads(leads(round), plan%ready(:, round), round, item, model, c, step, &
+               state)
+         end select
+      end associate
+   end subroutine do_task
 
-   !> One stage of one piece of the leads
-   subroutine work_on_leads(stage, piece, model, c, step, state)
-      integer, intent(in) :: stage, piece
+   !> A piece of the leads, whole blocks of kj_gravity at a time
+   subroutine work_on_leads(what, ready, round, piece, model, c, step, state)
+      integer, intent(in) :: what
+      logical, intent(in) :: ready(:)                !! (parts of hubs) summed
+      integer, intent(in) :: round                   !! of their sums
+      integer, intent(in) :: piece
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      associate (lo => c%team%lead(1, piece), hi => c%team%lead(2, piece))
-         select case (stage)
+      integer :: lo, hi
+
+      do lo = c%team%lead(1, piece), c%team%lead(2, piece), GRAIN
+         hi = min(lo + GRAIN - 1, c%team%lead(2, piece))
+         if (what == MEET .or. what == MEET_AND_LOOK) &
+            call meet_leads(model, c, ready, round, lo, hi, state)
+         if (what == GATHERING .or. what == GATHER_AND_KICK) &
+            call gather(model, ready, round, lo, hi, state)
+         select case (what)
          case (MOVE)
             call move_leads(model, c, step%midpoint, step%h, step%target, step%active, lo, hi, &
                state)
          case (OPEN)
             call open_leads(c, step%h, lo, hi, state)
-         case (MEET)
-            call meet_leads(model, c, step%h, c%damped .and. .not. is_loaded(model, state), lo, &
-               hi, state)
-         case (GATHERING)
-            call gather(model, c, lo, hi, state)
-         case (LOOK)
-            call look_leads(c, step%h, lo, hi, state)
-         case (KICKING)
+         case (LOOK, MEET_AND_LOOK)
+            call look_leads(c, step%h, step%target, step%active, lo, hi, state)
+         case (KICKING, GATHER_AND_KICK)
             call kick_leads(model, c, step%h, step%target, step%active, lo, hi, state)
          end select
-      end associate
+      end do
    end subroutine work_on_leads
 
-   !> One stage of one piece of the joints
-   subroutine work_on_joints(stage, piece, model, c, step, state)
-      integer, intent(in) :: stage, piece
+   !> A piece of the joints
+   subroutine work_on_joints(what, piece, model, c, step, state)
+      integer, intent(in) :: what, piece
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
@@ -225,7 +212,7 @@ contains
 
       associate (b => c%team%joint(1, piece), lo => c%team%joint(2, piece), &
          hi => c%team%joint(3, piece))
-         select case (stage)
+         select case (what)
          case (SPRINGS)
             call add_springs(c%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &
                state%wrench)

@@ -1,6 +1,9 @@
 !> The order in which a cycle takes its joints and leads: a thread goes through its joints piece by
-!> piece, and turns to leads as soon as all their joints are done, while the wrenches are still in
-!> its cache. Leads whose joints belong to several threads come late, in a stage of their own.
+!> piece, and turns to what waits for them as soon as they are done, while their wrenches are still
+!> in its cache. What waits for joints of several threads comes late, in stages of its own.
+!>
+!> A round is joints, parts of hubs, leads. A second round starts for a joint as soon as the leads
+!> at both its ends have had their first.
 module kj_plan
    use kj_sort, only: sorted_order
    use kj_team, only: team_t
@@ -8,124 +11,253 @@ module kj_plan
    implicit none
    private
 
-   public :: plan_t, new_plan
+   public :: plan_t, stage_t, new_plan, plan_of_leads
 
-   integer, parameter, public :: DO_JOINTS = 0, DO_PART = 1, DO_LEADS = 2
+   !> What a task does with its item, a piece of joints, a part of a hub or a piece of leads
+   integer, parameter, public :: DO_JOINTS = 1, DO_PART = 2, DO_LEADS = 3
 
-   !> The order
-   type :: plan_t
+   !> Tasks that threads share
+   type :: stage_t
       integer, allocatable :: kind(:)             !! of each task, DO_ constant
-      integer, allocatable :: item(:)             !! piece of joints, part of a hub, piece of leads
+      integer, allocatable :: round(:)            !! 1 or 2
+      integer, allocatable :: item(:)
       integer, allocatable :: shares(:)           !! (0:threads) tasks, see kj_team
-      integer, allocatable :: late(:)             !! pieces of leads of the second stage
-      integer, allocatable :: late_shares(:)      !! (0:threads)
+   end type stage_t
+
+   !> Stages, one after the other
+   type :: plan_t
+      type(stage_t), allocatable :: stage(:)      !! the first, and what is late of it
       integer, allocatable :: hub(:)              !! (parts) the hub of each part
-      logical, allocatable :: ready(:)            !! (parts) summed by a task
+      logical, allocatable :: ready(:, :)         !! (parts, rounds) summed by a task
    end type plan_t
+
+   !> What pieces or parts wait for
+   type :: wait_t
+      integer, allocatable :: after(:)            !! piece of joints in its first round
+      logical, allocatable :: early(:)            !! and for nothing of another thread
+   end type wait_t
+
+   !> Tasks before they are put in order
+   type :: tasks_t
+      integer, allocatable :: kind(:), round(:), item(:), after(:)
+      logical, allocatable :: early(:)
+   end type tasks_t
 
 contains
 
-   !> Plan for the joints and leads of a team
-   pure subroutine new_plan(first, map, team, plan)
+   !> Plan for the joints and leads of a team: one round, or two where `rests` is given
+   pure subroutine new_plan(first, map, team, plan, rests)
       integer, intent(in) :: first(:)             !! of each batch, number of the joints before it
       type(lead_map_t), intent(in) :: map
       type(team_t), intent(in) :: team
       type(plan_t), intent(out) :: plan
+      !> (n_lead) never moves: in the second round no joint waits for it where it is a hub
+      logical, intent(in), optional :: rests(:)
 
-      ! (2, n) first and last piece of joints that each part of a hub and piece of leads waits for
-      integer, allocatable :: part(:, :), leads(:, :)
-      logical, allocatable :: early(:)
-      integer :: i, n_part
+      type(wait_t) :: joints, parts, leads
+      type(tasks_t) :: tasks
+      integer, allocatable :: piece(:)            !! of each joint
+      integer :: i, n_part, round, rounds
 
+      rounds = merge(2, 1, present(rests))
       n_part = map%part(size(map%part)) - 1
-      allocate (part(2, n_part), leads(2, size(team%lead, 2)), plan%hub(n_part))
+      allocate (plan%hub(n_part), plan%ready(n_part, rounds))
       do i = 1, size(map%hub)
          plan%hub(map%part(i):map%part(i + 1) - 1) = i
       end do
-      call find_waits(first, map, team, part, leads)
-      plan%ready = are_early(team, part)
-      early = are_early(team, leads)
-      plan%late = pack([(i, i=1, size(early))], .not. early)
-      allocate (plan%shares(0:team%threads), plan%late_shares(0:team%threads))
-      plan%late_shares = [((i*size(plan%late))/team%threads, i=0, team%threads)]
-      call list_tasks(team, early, part(2, :), leads(2, :), plan)
-   end subroutine new_plan
-
-   !> One thread has all the joints that something waits for
-   pure function are_early(team, wait) result(early)
-      type(team_t), intent(in) :: team
-      integer, intent(in) :: wait(:, :)           !! (2, n) first and last piece, 0 for none
-      logical :: early(size(wait, 2))
-
-      integer :: owner(size(team%joint, 2)), i, t
-
-      do t = 1, team%threads
-         owner(team%joints(t - 1) + 1:team%joints(t)) = t
-      end do
-      do i = 1, size(early)
-         early(i) = wait(2, i) > 0
-         if (early(i)) early(i) = owner(wait(1, i)) == owner(wait(2, i))
-      end do
-   end function are_early
-
-   !> What the parts of hubs and the pieces of leads wait for
-   pure subroutine find_waits(first, map, team, part, leads)
-      integer, intent(in) :: first(:)
-      type(lead_map_t), intent(in) :: map
-      type(team_t), intent(in) :: team
-      integer, intent(out) :: part(:, :), leads(:, :)
-
-      integer, allocatable :: piece(:)            !! of each joint
-      integer :: i, h, entries(2)
-
       allocate (piece(size(map%joint)/2))
       do i = 1, size(team%joint, 2)
          associate (j => team%joint(:, i))
             piece(first(j(1)) + j(2):first(j(1)) + j(3)) = i
          end associate
       end do
+      joints%after = [(i, i=1, size(team%joint, 2))]
+      joints%early = joints%after > 0
+      tasks = no_tasks()
+      do round = 1, rounds
+         if (round > 1) call wait_for_leads(map, team, rests, piece, parts, leads, joints)
+         call wait_for_joints(map, team, piece, joints, parts, leads)
+         plan%ready(:, round) = parts%early
+         call add_tasks(DO_JOINTS, round, joints, tasks)
+         call add_tasks(DO_PART, round, parts, tasks)
+         call add_tasks(DO_LEADS, round, leads, tasks)
+      end do
+      call order_tasks(tasks, team, rounds, plan%stage)
+   end subroutine new_plan
+
+   !> All leads in one stage, without their joints
+   pure subroutine plan_of_leads(team, plan)
+      type(team_t), intent(in) :: team
+      type(plan_t), intent(out) :: plan
+
+      integer :: i, n
+
+      n = size(team%lead, 2)
+      allocate (plan%stage(1), plan%hub(0), plan%ready(0, 1))
+      associate (stage => plan%stage(1))
+         stage%kind = spread(DO_LEADS, 1, n)
+         stage%round = spread(1, 1, n)
+         stage%item = [(i, i=1, n)]
+         stage%shares = team%leads
+      end associate
+   end subroutine plan_of_leads
+
+   !> What the parts of hubs and the pieces of leads wait for in a round
+   pure subroutine wait_for_joints(map, team, piece, joints, parts, leads)
+      type(lead_map_t), intent(in) :: map
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: piece(:)             !! of each joint
+      type(wait_t), intent(in) :: joints
+      type(wait_t), intent(out) :: parts, leads
+
+      integer :: i, h, t, entries(2), owner(size(team%joint, 2))
+
+      do t = 1, team%threads
+         owner(team%joints(t - 1) + 1:team%joints(t)) = t
+      end do
+      i = map%part(size(map%part)) - 1
+      allocate (parts%after(i), parts%early(i))
       do h = 1, size(map%hub)
          do i = map%part(h), map%part(h + 1) - 1
             entries = part_entries(map, h, i)
-            part(:, i) = ends_of(piece(abs(map%joint(entries(1):entries(2)))))
+            call follow(joints, owner, piece(abs(map%joint(entries(1):entries(2)))), &
+               parts%after(i), parts%early(i))
          end do
       end do
-      do i = 1, size(leads, 2)
+      allocate (leads%after(size(team%lead, 2)), leads%early(size(team%lead, 2)))
+      do i = 1, size(team%lead, 2)
          entries = [map%first(team%lead(1, i)), map%first(team%lead(2, i) + 1) - 1]
-         leads(:, i) = ends_of(piece(abs(map%joint(entries(1):entries(2)))))
+         call follow(joints, owner, piece(abs(map%joint(entries(1):entries(2)))), &
+            leads%after(i), leads%early(i))
       end do
-   end subroutine find_waits
+   end subroutine wait_for_joints
 
-   !> First and last of these pieces, 0 where there are none
-   pure function ends_of(piece) result(ends)
-      integer, intent(in) :: piece(:)
-      integer :: ends(2)
+   !> What waits for these pieces of joints: is one thread to do them all early?
+   pure subroutine follow(joints, owner, pieces, after, early)
+      type(wait_t), intent(in) :: joints
+      integer, intent(in) :: owner(:), pieces(:)
+      integer, intent(out) :: after
+      logical, intent(out) :: early
 
-      ends = 0
-      if (size(piece) > 0) ends = [minval(piece), maxval(piece)]
-   end function ends_of
+      after = 0
+      early = size(pieces) > 0
+      if (.not. early) return
+      after = maxval(joints%after(pieces))
+      early = all(joints%early(pieces)) .and. all(owner(pieces) == owner(pieces(1)))
+   end subroutine follow
 
-   !> Each piece of joints, followed by what waited for it alone
-   pure subroutine list_tasks(team, early, part_last, leads_last, plan)
+   !> What joints wait for in the second round: that the leads at their ends, and the parts of hubs,
+   !> have taken the wrenches of the first
+   pure subroutine wait_for_leads(map, team, rests, piece, parts, leads, joints)
+      type(lead_map_t), intent(in) :: map
       type(team_t), intent(in) :: team
-      logical, intent(in) :: early(:)             !! of pieces of leads
-      integer, intent(in) :: part_last(:), leads_last(:)
-      type(plan_t), intent(inout) :: plan
+      logical, intent(in) :: rests(:)
+      integer, intent(in) :: piece(:)             !! of each joint
+      type(wait_t), intent(in) :: parts, leads
+      type(wait_t), intent(inout) :: joints
 
-      integer, allocatable :: parts(:), leads(:), after(:), order(:)
+      integer :: i, h, lead, entries(2)
+      logical :: free(size(rests))                ! no joint waits for it
+
+      free = .false.
+      free(map%hub) = rests(map%hub)
+      do h = 1, size(map%hub)
+         do i = map%part(h), map%part(h + 1) - 1
+            entries = part_entries(map, h, i)
+            call delay(joints, piece(abs(map%joint(entries(1):entries(2)))), parts%after(i), &
+               parts%early(i))
+         end do
+      end do
+      do i = 1, size(team%lead, 2)
+         do lead = team%lead(1, i), team%lead(2, i)
+            if (free(lead)) cycle
+            entries = map%first(lead:lead + 1) - [0, 1]
+            call delay(joints, piece(abs(map%joint(entries(1):entries(2)))), leads%after(i), &
+               leads%early(i))
+         end do
+      end do
+   end subroutine wait_for_leads
+
+   !> These pieces of joints wait for something that comes after a piece, or late
+   pure subroutine delay(joints, pieces, after, early)
+      type(wait_t), intent(inout) :: joints
+      integer, intent(in) :: pieces(:)
+      integer, intent(in) :: after
+      logical, intent(in) :: early
+
+      integer :: i
+
+      do i = 1, size(pieces)
+         joints%after(pieces(i)) = max(joints%after(pieces(i)), after)
+         joints%early(pieces(i)) = joints%early(pieces(i)) .and. early
+      end do
+   end subroutine delay
+
+   pure type(tasks_t) function no_tasks() result(tasks)
+
+      allocate (tasks%kind(0), tasks%round(0), tasks%item(0), tasks%after(0), tasks%early(0))
+   end function no_tasks
+
+   pure subroutine add_tasks(kind, round, wait, tasks)
+      integer, intent(in) :: kind, round
+      type(wait_t), intent(in) :: wait
+      type(tasks_t), intent(inout) :: tasks
+
       integer :: i, n
 
-      n = size(team%joint, 2)
-      parts = pack([(i, i=1, size(plan%ready))], plan%ready)
-      leads = pack([(i, i=1, size(early))], early)
-      plan%kind = [spread(DO_JOINTS, 1, n), spread(DO_PART, 1, size(parts)), &
-         spread(DO_LEADS, 1, size(leads))]
-      plan%item = [[(i, i=1, n)], parts, leads]
-      after = [[(i, i=1, n)], part_last(parts), leads_last(leads)]
-      order = sorted_order(after)                 ! stable: joints, then parts, then leads
-      plan%kind = plan%kind(order)
-      plan%item = plan%item(order)
-      plan%shares = [(count(after <= team%joints(i)), i=0, team%threads)]
-   end subroutine list_tasks
+      n = size(wait%after)
+      tasks%kind = [tasks%kind, spread(kind, 1, n)]
+      tasks%round = [tasks%round, spread(round, 1, n)]
+      tasks%item = [tasks%item, [(i, i=1, n)]]
+      tasks%after = [tasks%after, wait%after]
+      tasks%early = [tasks%early, wait%early]
+   end subroutine add_tasks
+
+   !> The first stage: each piece of joints, followed by what waited for it. Then, round by round,
+   !> late joints and late leads; late parts are summed with their leads.
+   pure subroutine order_tasks(tasks, team, rounds, stage)
+      type(tasks_t), intent(in) :: tasks
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: rounds
+      type(stage_t), allocatable, intent(out) :: stage(:)
+
+      integer, allocatable :: pick(:)
+      integer :: i, round
+
+      allocate (stage(2*rounds))
+      pick = pack([(i, i=1, size(tasks%early))], tasks%early)
+      pick = pick(sorted_order(tasks%after(pick)))   ! stable
+      stage(1) = stage_of(tasks, pick, [(count(tasks%after(pick) <= team%joints(i)), &
+         i=0, team%threads)])
+      do round = 1, rounds
+         if (round > 1) stage(2*round - 1) = late_stage(tasks, DO_JOINTS, round, team%threads)
+         stage(2*round) = late_stage(tasks, DO_LEADS, round, team%threads)
+      end do
+   end subroutine order_tasks
+
+   !> What is late of a kind in a round
+   pure type(stage_t) function late_stage(tasks, kind, round, threads) result(stage)
+      type(tasks_t), intent(in) :: tasks
+      integer, intent(in) :: kind, round, threads
+
+      integer, allocatable :: pick(:)
+      integer :: i
+
+      pick = pack([(i, i=1, size(tasks%early))], .not. tasks%early .and. tasks%kind == kind .and. &
+         tasks%round == round)
+      stage = stage_of(tasks, pick, [((i*size(pick))/threads, i=0, threads)])
+   end function late_stage
+
+   pure type(stage_t) function stage_of(tasks, pick, shares) result(stage)
+      type(tasks_t), intent(in) :: tasks
+      integer, intent(in) :: pick(:)
+      integer, intent(in) :: shares(0:)           !! (0:threads)
+
+      stage%kind = tasks%kind(pick)
+      stage%round = tasks%round(pick)
+      stage%item = tasks%item(pick)
+      allocate (stage%shares(0:ubound(shares, 1)))
+      stage%shares = shares
+   end function stage_of
 
 end module kj_plan

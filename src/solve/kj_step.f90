@@ -48,14 +48,14 @@ contains
       call ready_joints(model, state, sampling)
       call find_gravity(model, state)
       if (is_loaded(model, state)) then
-         call in_pieces(do_joints_of, state%plan%shares, model, state)
+         call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
          call in_pieces(gather, state%team%leads, model, state)
          call add_cloads(model, state)
          call add_host_loads(state)
          call in_pieces(accelerate, state%team%leads, model, state)
       else
-         call in_pieces(do_all_of, state%plan%shares, model, state)
-         call in_pieces(do_late, state%plan%late_shares, model, state)
+         call in_pieces(do_all_of, state%plan%stage(1)%shares, model, state)
+         call in_pieces(do_late, state%plan%stage(2)%shares, model, state)
       end if
       call solve_conditioned(model, state)
       call choose_step(model, state)
@@ -99,7 +99,7 @@ contains
       logical, intent(in) :: sampling        !! keep the rates, too
 
       call ready_joints(model, state, sampling)
-      call in_pieces(do_joints_of, state%plan%shares, model, state)
+      call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
       call in_pieces(gather, state%team%leads, model, state)
    end subroutine find_joint_forces
 
@@ -153,14 +153,14 @@ contains
       end do
    end subroutine in_pieces
 
-   !> A task of the plan
+   !> A task of the first stage of the plan
    subroutine do_all_of(model, state, task)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
       integer, intent(in) :: task
 
-      if (state%plan%kind(task) == DO_LEADS) then
-         call gather_and_accelerate(model, state, state%plan%item(task))
+      if (state%plan%stage(1)%kind(task) == DO_LEADS) then
+         call gather_and_accelerate(model, state, state%plan%stage(1)%item(task))
       else
          call do_joints_of(model, state, task)
       end if
@@ -174,8 +174,8 @@ contains
 
       integer :: b
 
-      associate (item => state%plan%item(task), joint => state%team%joint)
-         select case (state%plan%kind(task))
+      associate (item => state%plan%stage(1)%item(task), joint => state%team%joint)
+         select case (state%plan%stage(1)%kind(task))
          case (DO_JOINTS)
             b = joint(1, item)
             call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, &
@@ -187,12 +187,12 @@ contains
    end subroutine do_joints_of
 
    !> Leads that had to wait for joints of other threads
-   subroutine do_late(model, state, place)
+   subroutine do_late(model, state, task)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
-      integer, intent(in) :: place
+      integer, intent(in) :: task
 
-      call gather_and_accelerate(model, state, state%plan%late(place))
+      call gather_and_accelerate(model, state, state%plan%stage(2)%item(task))
    end subroutine do_late
 
    !> New velocities and positions of bodies, their nodes and free nodes
