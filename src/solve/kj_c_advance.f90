@@ -43,6 +43,11 @@ module kj_c_advance
       integer :: joint = 0                       !! who holds it, index among all joints
       type(bound_t) :: bound
       type(contact_t) :: contact                 !! stops that are met
+      ! steps to the time that is marched to; none left: to be found
+      real(wp) :: t_end = 0.0_wp
+      real(wp) :: h = 0.0_wp
+      integer :: left = 0
+      integer :: since = 0                       !! steps since the last look at the bound
    end type march_t
 
 contains
@@ -55,6 +60,7 @@ contains
       type(march_t), intent(inout) :: self
 
       state%by_steps = self%integrator /= RKMK4
+      self%left = 0
       call new_bound(model, c, .not. state%by_steps, state, self%bound)
       call take_limit(model, c, state, self)
       if (self%limit >= self%most .or. self%integrator == RKMK4) return
@@ -82,7 +88,8 @@ contains
       if (.not. self%nodal) self%joint = self%bound%joint
    end subroutine take_limit
 
-   !> Steps towards t_end, at most `steps` of them; arrived: t_end is reached
+   !> Steps towards t_end, at most `steps` of them; arrived: t_end is reached. The next call with
+   !> the same t_end goes on as if it were the same one.
    subroutine march(model, c, t_end, steps, self, state, arrived)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
@@ -92,45 +99,66 @@ contains
       type(c_state_t), intent(inout) :: state
       logical, intent(out) :: arrived
 
-      real(wp) :: h, contact_h
-      logical :: renew
-      integer :: i, left
+      integer :: i
 
-      arrived = .true.
-      if (.not. t_end > state%time) return
-      arrived = .false.
-      if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
-         call change_step(model, c, self%first, state)
-         call take_step(model, c, self%integrator, self%first, state)
-      end if
-      call watch_stops(c, state, self%limit, LOOK, self%contact)
-      left = needed_steps(t_end - state%time, min(self%limit, self%contact%h))
-      h = (t_end - state%time)/left
-      call change_step(model, c, h, state)
-      do i = 1, steps
-         call take_step(model, c, self%integrator, h, state)
-         left = left - 1
-         if (left == 0) then
-            state%time = t_end
-            arrived = .true.
-            exit
+      arrived = .not. t_end > state%time
+      if (arrived) return
+      if (self%left == 0 .or. abs(t_end - self%t_end) > 0.0_wp) then
+         if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
+            call change_step(model, c, self%first, state)
+            call take_step(model, c, self%integrator, self%first, state)
          end if
-         if (modulo(i, LOOK) > 0) cycle
-         renew = has_moved(c, state, self%bound) .or. &
-            (self%starting .and. state%time >= self%start_end)
-         contact_h = self%contact%h
+         self%t_end = t_end
+         self%since = 0
          call watch_stops(c, state, self%limit, LOOK, self%contact)
-         if (.not. renew .and. abs(self%contact%h - contact_h) <= 0.0_wp) cycle
-         if (renew) call renew_bound(c, state, self%bound)
-         if (renew) call take_limit(model, c, state, self)
-         left = needed_steps(t_end - state%time, min(self%limit, self%contact%h))
-         h = (t_end - state%time)/left
-         call change_step(model, c, h, state)
+         call divide_way(model, c, self, state)
+      end if
+      do i = 1, steps
+         call take_step(model, c, self%integrator, self%h, state)
+         self%left = self%left - 1
+         self%since = self%since + 1
+         arrived = self%left == 0
+         if (arrived) exit
+         if (self%since == LOOK) call look_ahead(model, c, self, state)
       end do
       if (.not. arrived) return
+      state%time = t_end
       call renew_bound(c, state, self%bound)
       call take_limit(model, c, state, self)
    end subroutine march
+
+   !> Do the steps still hold where the scene is now?
+   subroutine look_ahead(model, c, self, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(march_t), intent(inout) :: self
+      type(c_state_t), intent(inout) :: state
+
+      real(wp) :: contact_h
+      logical :: renew
+
+      self%since = 0
+      renew = has_moved(c, state, self%bound) .or. &
+         (self%starting .and. state%time >= self%start_end)
+      contact_h = self%contact%h
+      call watch_stops(c, state, self%limit, LOOK, self%contact)
+      if (.not. renew .and. abs(self%contact%h - contact_h) <= 0.0_wp) return
+      if (renew) call renew_bound(c, state, self%bound)
+      if (renew) call take_limit(model, c, state, self)
+      call divide_way(model, c, self, state)
+   end subroutine look_ahead
+
+   !> Equal steps to where the march goes
+   subroutine divide_way(model, c, self, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      type(march_t), intent(inout) :: self
+      type(c_state_t), intent(inout) :: state
+
+      self%left = needed_steps(self%t_end - state%time, min(self%limit, self%contact%h))
+      self%h = (self%t_end - state%time)/self%left
+      call change_step(model, c, self%h, state)
+   end subroutine divide_way
 
    subroutine take_step(model, c, integrator, h, state)
       type(model_t), intent(in) :: model

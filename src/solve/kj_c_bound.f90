@@ -271,20 +271,24 @@ contains
       end do
    end function rows_of
 
+   !> Coordinates that the bound was found for
    subroutine keep_pose(c, state, bound)
       type(c_model_t), intent(in) :: c
       type(c_state_t), intent(in) :: state
       type(bound_t), intent(inout) :: bound
 
-      integer :: b, i
+      integer :: piece, i, j
 
-      do b = 1, size(c%batch)
-         associate (batch => c%batch(b), first => c%batch(b)%first)
-            do i = 1, batch%n
-               bound%q(first + i, :) = state%joint(b)%q(i, :)
-               bound%reach(first + i) = TURN*max(tiny(1.0_wp), norm2(batch%arm(i, 1:3)) + &
-                  norm2(batch%arm(i, 4:6)) + norm2(batch%xl0(i, :) + state%joint(b)%q(i, 1:3)))
-               if (batch%spring) bound%rows(:, first + i) = rows_of(state, b, i)
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1) &
+      !$omp private(i, j)
+      do piece = 1, size(c%team%joint, 2)
+         associate (b => c%team%joint(1, piece))
+            do i = c%team%joint(2, piece), c%team%joint(3, piece)
+               j = c%batch(b)%first + i
+               bound%q(j, :) = state%joint(b)%q(i, :)
+               bound%reach(j) = TURN*max(tiny(1.0_wp), norm2(c%batch(b)%arm(i, 1:3)) + &
+                  norm2(c%batch(b)%arm(i, 4:6)) + norm2(c%batch(b)%xl0(i, :) + bound%q(j, 1:3)))
+               if (c%batch(b)%spring) bound%rows(:, j) = rows_of(state, b, i)
             end do
          end associate
       end do

@@ -8,6 +8,7 @@ to rounding, impulse(n) - impulse(n-1) = h force(n). Consistent: everything at t
 differences hold with the mean of both ends up to h^2 over the time scale of the motion, and nodes
 ride on the pose exactly.
 """
+import json
 import os
 import pathlib
 import re
@@ -18,6 +19,9 @@ import h5py
 import numpy as np
 
 SOURCE = pathlib.Path(os.environ["KJOINT_SOURCE_DIR"])
+sys.path.insert(0, str(SOURCE / "tools"))
+import bench_scenes
+
 failed = []
 
 
@@ -107,6 +111,18 @@ def last_row_of_a_stop(kjoint, work):
     check(f"/DT/NODA/STOP: {len(rows[0])} channels of the last row", worst, 0.0)
 
 
+def steps_of_many(kjoint, work):
+    """1300 equal pendulums on one ground take the steps of 20: they are shorter at the start, until about half of
+    the run, and however large the scene is, the step is looked at again every few cycles."""
+    cycles = []
+    for n in (20, 1300):
+        bench_scenes.write("forest", n, work / f"forest{n}", until=0.08, sample=0.08)
+        run = subprocess.run([kjoint, "run", work / f"forest{n}_0000.rad", "-q", "--json", "-o", work / "forest.h5"],
+                             check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        cycles.append(json.loads(run.stdout)["cycles"])
+    check(f"steps of 20 and 1300 pendulums: {cycles[0]}", abs(cycles[1] - cycles[0]), 1)
+
+
 def consistent(file, name):
     t = file["time"][:]
     x, v, a = (file["node"][c][:] for c in ("position", "velocity", "acceleration"))
@@ -150,6 +166,7 @@ def main(kjoint, work):
         with run(kjoint, work, case, "--legacy") as file:
             warned_turn(file, f"{case} legacy", work / f"{case}.log")
     last_row_of_a_stop(kjoint, work)
+    steps_of_many(kjoint, work)
     with run(kjoint, work, "REV03") as file:
         consistent(file, "REV03 consistent")
     return 1 if failed else 0
