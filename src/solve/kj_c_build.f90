@@ -48,9 +48,9 @@ contains
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
          min(SPAN, c%n_joint), c%team)
       call new_plan(model%batch%first, model%map, c%team, c%once)
-      call new_plan(model%batch%first, model%map, c%team, c%twice, rests=at_rest(c))
       call plan_of_leads(c%team, c%alone)
       c%damped = any([(c%batch(b)%damped, b=1, size(c%batch))])
+      if (c%damped) call new_plan(model%batch%first, model%map, c%team, c%twice, rests=at_rest(c))
       c%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
       c%placed = [integer ::]
       do i = 1, size(model%skews%needed)

@@ -40,7 +40,7 @@ module kj_c_state
    type :: c_model_t
       type(c_batch_t), allocatable :: batch(:)
       type(team_t) :: team                       !! pieces for the threads
-      ! and their order: joints and leads once, twice (springs and dampers), leads alone
+      ! and their order: joints and leads once, twice (springs, dampers; where damped), leads alone
       type(plan_t) :: once, twice, alone
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: im(:)             !! (n_lead) inverse mass, 0 where held or massless

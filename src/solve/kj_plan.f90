@@ -11,7 +11,7 @@ module kj_plan
    implicit none
    private
 
-   public :: plan_t, stage_t, new_plan, plan_of_leads
+   public :: plan_t, new_plan, plan_of_leads
 
    !> What a task does with its item, a piece of joints, a part of a hub or a piece of leads
    integer, parameter, public :: DO_JOINTS = 1, DO_PART = 2, DO_LEADS = 3
@@ -72,7 +72,7 @@ contains
          end associate
       end do
       joints%after = [(i, i=1, size(team%joint, 2))]
-      joints%early = joints%after > 0
+      joints%early = spread(.true., 1, size(joints%after))
       tasks = no_tasks()
       do round = 1, rounds
          if (round > 1) call wait_for_leads(map, team, rests, piece, parts, leads, joints)
