@@ -18,6 +18,7 @@ submodule (kjoint) kjoint_run
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
    integer, parameter :: TICK_WORK = 20000      !! joint-cycles between two looks of the monitor
+   integer, parameter :: LEAST_TICK = 8         !! cycles: each look takes a part of one
    character(len=8), parameter :: OWNER_NAME(0:3) = &
       ['none    ', 'node    ', 'body    ', 'joint   ']
 
@@ -59,7 +60,7 @@ contains
    pure integer function tick_cycles(model) result(n)
       type(model_t), intent(in) :: model
 
-      n = max(1, TICK_WORK/max(1, model%n_joint + model%n_body))
+      n = max(LEAST_TICK, TICK_WORK/max(1, model%n_joint + model%n_body))
    end function tick_cycles
 
    !> The legacy march: cycles while t <= Tstop, samples at cycles

@@ -1,8 +1,8 @@
 !> How threads share the work of a cycle: pieces of batches and of leads.
 !>
 !> Within a stage of a cycle joints do not see each other, and neither do leads, so the bits of a
-!> run do not depend on how it is cut. A thread always gets the same pieces of a stage, and finds in
-!> its cache what it had in the last one.
+!> run do not depend on how it is cut, or on which thread does what. A thread takes the next share
+!> as soon as it is free, so that no one waits long for a thread that is slower.
 module kj_team
    use kj_kinds, only: wp
    use kj_sort, only: sorted_order
@@ -12,7 +12,8 @@ module kj_team
    public :: team_t, new_team, has_threads
 
    integer, parameter, public :: GRAIN = 128      !! cuts lie at its multiples: whole blocks
-   integer, parameter :: PIECES = 4               !! for each thread
+   integer, parameter :: SHARES = 4               !! for each thread: slower ones do fewer
+   integer, parameter :: PIECES = 2               !! in each share, at least
    !> Leads, or joints of all batches, in a piece: what comes next finds them in the cache
    integer, parameter, public :: MOST = 4*GRAIN
    integer, parameter :: FINE = 10**6             !! places along a batch that are told apart
@@ -24,7 +25,8 @@ module kj_team
       !> (3, pieces) batch, first joint, last joint; all batches side by side, as decks have them
       integer, allocatable :: joint(:, :)
       integer, allocatable :: lead(:, :)          !! (2, pieces) first, last lead
-      ! (0:threads) pieces up to the end of each thread's share
+      integer :: shares = 1                       !! pieces that a thread does in a row
+      ! (0:shares) pieces up to the end of each share
       integer, allocatable :: joints(:)           !! of the pieces of joints
       integer, allocatable :: leads(:)            !! of the pieces of leads
    end type team_t
@@ -43,17 +45,18 @@ contains
       n_lead = size(n_end)
       n = sum(n_joint)
       team%threads = max(1, min(threads, max(n, n_lead)/max(1, least)))
-      call cut_batches(n_joint, min(MOST, piece_length(n, team%threads)), team%joint)
-      length = min(MOST, piece_length(n_lead, team%threads))
+      if (team%threads > 1) team%shares = SHARES*team%threads
+      call cut_batches(n_joint, min(MOST, piece_length(n, team%shares)), team%joint)
+      length = min(MOST, piece_length(n_lead, team%shares))
       n = (n_lead + length - 1)/length
       allocate (team%lead(2, n))
       do k = 1, n
          team%lead(:, k) = [(k - 1)*length + 1, min(k*length, n_lead)]
       end do
-      allocate (team%joints(0:team%threads), team%leads(0:team%threads))
-      team%joints = fair_shares(real(team%joint(3, :) - team%joint(2, :) + 1, wp), team%threads)
+      allocate (team%joints(0:team%shares), team%leads(0:team%shares))
+      team%joints = fair_shares(real(team%joint(3, :) - team%joint(2, :) + 1, wp), team%shares)
       team%leads = fair_shares([(LEAD_WORK*real(team%lead(2, k) - team%lead(1, k) + 1, wp) + &
-         sum(n_end(team%lead(1, k):team%lead(2, k))), k=1, n)], team%threads)
+         sum(n_end(team%lead(1, k):team%lead(2, k))), k=1, n)], team%shares)
    end subroutine new_team
 
    !> Pieces of each batch, `length` joints of all batches together, in the order of their place
@@ -84,11 +87,11 @@ contains
       joint = joint(:, sorted_order(place))
    end subroutine cut_batches
 
-   !> (0:threads) pieces up to the end of each thread's share, by the work of each piece
-   pure function fair_shares(work, threads) result(to)
+   !> (0:shares) pieces up to the end of each share, by the work of each piece
+   pure function fair_shares(work, shares) result(to)
       real(wp), intent(in) :: work(:)
-      integer, intent(in) :: threads
-      integer :: to(0:threads)
+      integer, intent(in) :: shares
+      integer :: to(0:shares)
 
       integer :: k, owner
       real(wp) :: before, total
@@ -97,7 +100,7 @@ contains
       to = 0
       before = 0.0_wp
       do k = 1, size(work)                        ! a piece belongs where its middle lies
-         owner = min(threads, 1 + int(real(threads, wp)*(before + 0.5_wp*work(k))/total))
+         owner = min(shares, 1 + int(real(shares, wp)*(before + 0.5_wp*work(k))/total))
          to(owner:) = k
          before = before + work(k)
       end do
@@ -110,12 +113,12 @@ contains
       !$ has_threads = .true.
    end function has_threads
 
-   !> A multiple of GRAIN; all of it for one thread
-   pure integer function piece_length(n, threads) result(length)
-      integer, intent(in) :: n, threads
+   !> A multiple of GRAIN; all of it where there is one share
+   pure integer function piece_length(n, shares) result(length)
+      integer, intent(in) :: n, shares
 
       length = n
-      if (threads > 1) length = n/(PIECES*threads)
+      if (shares > 1) length = n/(PIECES*shares)
       length = GRAIN*(max(1, length + GRAIN - 1)/GRAIN)
       length = max(GRAIN, length)
    end function piece_length

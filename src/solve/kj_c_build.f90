@@ -310,7 +310,7 @@ contains
       allocate (state%load_place, source=state%load_force)
       call start_motions(model, state)
       allocate (state%kept%rates(6, size(c%hold)), state%kept%quat(4, size(c%hold)), &
-         state%kept%w(3, size(c%hold)), state%kept%work(2, size(c%hold)), source=0.0_wp)
+         state%kept%w(3, size(c%hold)), state%kept%work(2, size(c%hold), WHOLE), source=0.0_wp)
       state%work = 0.0_wp
       call settle(model, c, state)
       call start_energies(model, c, state)

@@ -122,18 +122,19 @@ contains
       type(c_state_t), intent(inout) :: state
 
       call project(model, c, target, active, part, 1, size(c%hold), state)
-      call count_work(state)
+      call count_work(part, state)
    end subroutine project_all
 
-   !> Count the work of the last projections
-   pure subroutine count_work(state)
+   !> Count the work of the last projections of a part of the step
+   pure subroutine count_work(part, state)
+      integer, intent(in) :: part                    !! FIRST_HALF, ...
       type(c_state_t), intent(inout) :: state
 
       integer :: i
 
       do i = 1, size(state%kept%work, 2)
-         state%work = state%work + state%kept%work(1, i)
-         state%work = state%work + state%kept%work(2, i)
+         state%work = state%work + state%kept%work(1, i, part)
+         state%work = state%work + state%kept%work(2, i, part)
       end do
    end subroutine count_work
 
@@ -156,7 +157,7 @@ contains
       integer :: i, lead, n
 
       do i = first, last
-         state%kept%work(:, i) = 0.0_wp
+         state%kept%work(:, i, part) = 0.0_wp
          before = state%kept%rates(:, i)
          associate (hold => c%hold(i))
             lead = hold%lead
@@ -166,7 +167,7 @@ contains
             else if (n > 0) then
                call drive(n, b, u, drives, part, before(1:3), unit_inverse(1.0_wp), &
                   state%v(lead, :), power)
-               state%kept%work(1, i) = model%mass(lead)*power
+               state%kept%work(1, i, part) = model%mass(lead)*power
             end if
             call rows_of(state, hold%rot(:hold%n_rot), target, active, b, u, drives, n)
             if (n == 0) cycle
@@ -175,7 +176,7 @@ contains
             else
                call drive(n, b, u, drives, part, before(4:6), inverse_inertia(c, state, lead), &
                   state%l(lead, :), power)
-               state%kept%work(2, i) = power
+               state%kept%work(2, i, part) = power
                if (part == FIRST_HALF .and. n == 1) call lean_back(c, state, lead, b, u)
             end if
          end associate

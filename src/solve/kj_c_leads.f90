@@ -10,12 +10,11 @@ module kj_c_leads
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_midpoint, only: midpoint_drift
    use kj_c_body, only: kick, drift, predict, spin_velocity, inverse_inertias
-   use kj_c_load, only: add_gravity
    use kj_c_hold, only: project, keep_rates, hold_rotations, project_rates, FIRST_HALF, SECOND_HALF
    implicit none
    private
 
-   public :: move_leads, open_leads, meet_leads, look_leads, kick_leads, gather
+   public :: move_leads, open_leads, look_leads, kick_leads, gather
 
 contains
 
@@ -119,19 +118,6 @@ contains
          state%own_t(lo:hi, k) = 0.0_wp
       end do
    end subroutine open_leads
-
-   !> Forces of joints and gravity on leads lo..hi. lo is the first lead of a block of kj_gravity.
-   subroutine meet_leads(model, c, ready, round, lo, hi, state)
-      type(model_t), intent(in) :: model
-      type(c_model_t), intent(in) :: c
-      logical, intent(in) :: ready(:)                !! (parts of hubs) summed
-      integer, intent(in) :: round                   !! of their sums
-      integer, intent(in) :: lo, hi
-      type(c_state_t), intent(inout) :: state
-
-      call gather(model, ready, round, lo, hi, state)
-      call add_gravity(model, c, lo, hi, state)
-   end subroutine meet_leads
 
    !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
    !> inertias

@@ -32,8 +32,9 @@ module kj_c_state
       real(wp), allocatable :: rates(:, :)       !! (6, n_hold) velocities before a kick
       real(wp), allocatable :: quat(:, :)        !! (4, n_hold) attitudes before the drift
       real(wp), allocatable :: w(:, :)           !! (3, n_hold) angular velocities of the drift
-      !> (2, n_hold) work that the last projection took, translations and rotations
-      real(wp), allocatable :: work(:, :)
+      !> (2, n_hold, parts of the step) work that the last projection took, translations and
+      !> rotations
+      real(wp), allocatable :: work(:, :, :)
    end type kept_t
 
    !> Constants of the consistent formulation beside those of the model

@@ -11,25 +11,27 @@ module kj_c_step
    use kj_c_force, only: add_springs
    use kj_c_damper, only: add_dampers
    use kj_c_state, only: c_model_t, c_state_t
-   use kj_c_load, only: add_loads, find_gravity, count_gravity
+   use kj_c_load, only: add_loads, find_gravity, add_gravity, count_gravity
    use kj_c_host, only: add_host_loads
-   use kj_c_leads, only: move_leads, open_leads, meet_leads, look_leads, kick_leads, gather
-   use kj_c_hold, only: motion_targets, count_work
+   use kj_c_leads, only: move_leads, open_leads, look_leads, kick_leads, gather
+   use kj_c_hold, only: motion_targets, count_work, FIRST_HALF, SECOND_HALF
    implicit none
    private
 
    public :: c_step, find_forces, place_node, reach_motions
 
-   !> What threads do with pieces of leads, and of joints
-   integer, parameter :: MOVE = 1, OPEN = 2, MEET = 3, LOOK = 4, MEET_AND_LOOK = 5, GATHERING = 6, &
-      KICKING = 7, GATHER_AND_KICK = 8
-   integer, parameter :: NOTHING = 0, SPRINGS = 1, DAMPERS = 2
+   !> What threads do with pieces of leads: one thing or the sum of several, in this order
+   integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 4, WEIGH = 8, LOOK = 16, KICKING = 32
+   !> and with pieces of joints
+   integer, parameter :: SPRINGS = 1, DAMPERS = 2
+   integer, parameter :: NOTHING = 0
 
    !> What the stages of a step are told
    type :: step_t
       logical :: midpoint = .false.                  !! liemid instead of split2
       real(wp) :: h = 0.0_wp
-      real(wp), allocatable :: target(:)             !! (n_motion) wanted velocities
+      !> (n_motion) wanted velocities: mean of the step, and at its end
+      real(wp), allocatable :: mean(:), final(:)
       logical, allocatable :: active(:)              !! (n_motion)
    end type step_t
 
@@ -43,23 +45,19 @@ contains
       real(wp), intent(in) :: h
       type(c_state_t), intent(inout) :: state
 
-      real(wp) :: final(size(model%motion))
       type(step_t) :: step
 
-      allocate (step%target(size(final)), step%active(size(final)))
+      associate (n => size(model%motion))
+         allocate (step%mean(n), step%final(n), step%active(n))
+      end associate
       step%midpoint = midpoint
       step%h = h
       state%h = h
-      call motion_targets(model, state, h, step%target, final, step%active)
-      call for_leads(MOVE, model, c, step, state)
-      call count_work(state)
+      call motion_targets(model, state, h, step%mean, step%final, step%active)
+      call reach_motions(model, h, step%mean, step%final, step%active, state)
       state%cycle = state%cycle + 1
       state%time = state%time + h
-      call reach_motions(model, h, step%target, final, step%active, state)
-      step%target = final
-      call sum_forces(GATHER_AND_KICK, model, c, step, state)
-      if (.not. c%damped) call for_leads(KICKING, model, c, step, state)
-      call count_work(state)
+      call to_new_pose(MOVE, KICKING, model, c, step, state)
    end subroutine c_step
 
    !> Forces and moments of all leads in the pose reached. h = 0: at the start, dampers from the
@@ -75,38 +73,57 @@ contains
       type(step_t) :: step
 
       step%h = h
-      step%target = target
+      step%mean = target
+      step%final = target
       step%active = active
-      call for_leads(OPEN, model, c, step, state)
-      call sum_forces(GATHERING, model, c, step, state)
+      call to_new_pose(OPEN, NOTHING, model, c, step, state)
    end subroutine find_forces
 
-   !> Forces of all but the dampers, and then of these from what they look at. Where no load is in
-   !> between, dampers follow as soon as both leads of a joint have met their forces.
-   subroutine sum_forces(last, model, c, step, state)
-      integer, intent(in) :: last                    !! what leads do after the dampers
+   !> Leads come to the new pose, forces of all but the dampers follow, these from what they look
+   !> at, and the end of the step. Joints follow as soon as both leads are ready for them, except
+   !> where nodes or loads come between.
+   subroutine to_new_pose(first, last, model, c, step, state)
+      integer, intent(in) :: first, last             !! what leads do before joints, and after them
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      call place_nodes(model, c, state)
+      integer :: before
+      logical :: loaded
+
+      before = first
+      if (size(c%placed) > 0) then
+         call for_leads(first, model, c, step, state)
+         call place_nodes(model, c, state)
+         before = NOTHING
+      end if
       call find_gravity(model, state)
       state%poses%time = state%time
       state%poses%h = step%h
-      if (c%damped .and. .not. is_loaded(model, state)) then
-         call go_through(c%twice, [SPRINGS, DAMPERS], [MEET_AND_LOOK, last], model, c, step, state)
-         call count_gravity(c, step%h, state)
-         return
+      loaded = is_loaded(model, state)
+      if (c%damped .and. .not. loaded) then
+         call go_through(c%twice, [before, GATHERING + WEIGH + LOOK, GATHERING + last], &
+            [SPRINGS, DAMPERS], model, c, step, state)
+      else if (.not. loaded) then
+         call go_through(c%once, [before, GATHERING + WEIGH + last], [SPRINGS], model, c, step, &
+            state)
+      else
+         call go_through(c%once, [before, GATHERING + WEIGH], [SPRINGS], model, c, step, state)
       end if
-      call go_through(c%once, [SPRINGS], [MEET], model, c, step, state)
+      if (first == MOVE) call count_work(FIRST_HALF, state)
       call count_gravity(c, step%h, state)
-      call add_loads(model, state)
-      call add_host_loads(step%h, state)
-      if (.not. c%damped) return
-      call for_leads(LOOK, model, c, step, state)
-      call go_through(c%once, [DAMPERS], [last], model, c, step, state)
-   end subroutine sum_forces
+      if (loaded) then
+         call add_loads(model, state)
+         call add_host_loads(step%h, state)
+         if (c%damped) then
+            call go_through(c%once, [LOOK, GATHERING + last], [DAMPERS], model, c, step, state)
+         else
+            call for_leads(last, model, c, step, state)
+         end if
+      end if
+      if (last == KICKING) call count_work(SECOND_HALF, state)
+   end subroutine to_new_pose
 
    !> One thing with all leads
    subroutine for_leads(what, model, c, step, state)
@@ -116,14 +133,14 @@ contains
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      call go_through(c%alone, [NOTHING], [what], model, c, step, state)
+      call go_through(c%alone, [what], [integer ::], model, c, step, state)
    end subroutine for_leads
 
    !> Stages of a plan one after the other, piece by piece: in threads, or without them. Even a team
    !> of one thread costs a microsecond, more than the stage of a few joints.
-   subroutine go_through(plan, joints, leads, model, c, step, state)
+   subroutine go_through(plan, leads, joints, model, c, step, state)
       type(plan_t), intent(in) :: plan
-      integer, intent(in) :: joints(:), leads(:)     !! (rounds) what to do with them
+      integer, intent(in) :: leads(0:), joints(:)    !! (rounds) what to do with them
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
@@ -131,26 +148,27 @@ contains
 
       integer :: s, share, task
 
-      do s = 1, size(plan%stage)
+      do s = lbound(plan%stage, 1), ubound(plan%stage, 1)
+         if (size(plan%stage(s)%item) == 0) cycle
          if (c%team%threads == 1) then
             do task = 1, size(plan%stage(s)%item)
-               call do_task(plan, s, task, joints, leads, model, c, step, state)
+               call do_task(plan, s, task, leads, joints, model, c, step, state)
             end do
             cycle
          end if
-         !$omp parallel do schedule(static, 1) num_threads(c%team%threads) private(task)
-         do share = 1, c%team%threads
+         !$omp parallel do schedule(dynamic, 1) num_threads(c%team%threads) private(task)
+         do share = 1, c%team%shares
             do task = plan%stage(s)%shares(share - 1) + 1, plan%stage(s)%shares(share)
-               call do_task(plan, s, task, joints, leads, model, c, step, state)
+               call do_task(plan, s, task, leads, joints, model, c, step, state)
             end do
          end do
       end do
    end subroutine go_through
 
    !> A task of stage s
-   subroutine do_task(plan, s, task, joints, leads, model, c, step, state)
+   subroutine do_task(plan, s, task, leads, joints, model, c, step, state)
       type(plan_t), intent(in) :: plan
-      integer, intent(in) :: s, task, joints(:), leads(:)
+      integer, intent(in) :: s, task, leads(0:), joints(:)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
@@ -163,8 +181,8 @@ contains
          case (DO_PART)
             call sum_part(model%map, state%wrench, plan%hub(item), item, state%part(:, item, round))
          case (DO_LEADS)
-            call work_on_leads(leads(round), plan%ready(:, round), round, item, model, c, step, &
-               state)
+            call work_on_leads(leads(round), plan%ready(:, max(1, round)), round, item, model, c, &
+               step, state)
          end select
       end associate
    end subroutine do_task
@@ -182,24 +200,26 @@ contains
 
       integer :: lo, hi
 
+      if (what == NOTHING) return
       do lo = c%team%lead(1, piece), c%team%lead(2, piece), GRAIN
          hi = min(lo + GRAIN - 1, c%team%lead(2, piece))
-         if (what == MEET .or. what == MEET_AND_LOOK) &
-            call meet_leads(model, c, ready, round, lo, hi, state)
-         if (what == GATHERING .or. what == GATHER_AND_KICK) &
-            call gather(model, ready, round, lo, hi, state)
-         select case (what)
-         case (MOVE)
-            call move_leads(model, c, step%midpoint, step%h, step%target, step%active, lo, hi, &
-               state)
-         case (OPEN)
-            call open_leads(c, step%h, lo, hi, state)
-         case (LOOK, MEET_AND_LOOK)
-            call look_leads(c, step%h, step%target, step%active, lo, hi, state)
-         case (KICKING, GATHER_AND_KICK)
-            call kick_leads(model, c, step%h, step%target, step%active, lo, hi, state)
-         end select
+         if (has(MOVE)) call move_leads(model, c, step%midpoint, step%h, step%mean, step%active, &
+            lo, hi, state)
+         if (has(OPEN)) call open_leads(c, step%h, lo, hi, state)
+         if (has(GATHERING)) call gather(model, ready, round, lo, hi, state)
+         if (has(WEIGH)) call add_gravity(model, c, lo, hi, state)
+         if (has(LOOK)) call look_leads(c, step%h, step%final, step%active, lo, hi, state)
+         if (has(KICKING)) call kick_leads(model, c, step%h, step%final, step%active, lo, hi, state)
       end do
+
+   contains
+
+      pure logical function has(part)
+         integer, intent(in) :: part
+
+         has = iand(what, part) /= 0
+      end function has
+
    end subroutine work_on_leads
 
    !> A piece of the joints

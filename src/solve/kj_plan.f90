@@ -1,9 +1,10 @@
-!> The order in which a cycle takes its joints and leads: a thread goes through its joints piece by
-!> piece, and turns to what waits for them as soon as they are done, while their wrenches are still
-!> in its cache. What waits for joints of several threads comes late, in stages of its own.
+!> The order in which a cycle takes its joints and leads: a thread goes through a share of the
+!> joints piece by piece, and turns to what waits for them as soon as they are done, while their
+!> wrenches are still in its cache. What waits for joints of several shares comes late, in stages of
+!> its own.
 !>
-!> A round is joints, parts of hubs, leads. A second round starts for a joint as soon as the leads
-!> at both its ends have had their first.
+!> Round 0 is leads alone, before their joints. A round is joints, parts of hubs, leads. A second
+!> round starts for a joint as soon as the leads at both its ends have had their first.
 module kj_plan
    use kj_sort, only: sorted_order
    use kj_team, only: team_t
@@ -19,14 +20,14 @@ module kj_plan
    !> Tasks that threads share
    type :: stage_t
       integer, allocatable :: kind(:)             !! of each task, DO_ constant
-      integer, allocatable :: round(:)            !! 1 or 2
+      integer, allocatable :: round(:)            !! 0, 1 or 2
       integer, allocatable :: item(:)
-      integer, allocatable :: shares(:)           !! (0:threads) tasks, see kj_team
+      integer, allocatable :: shares(:)           !! (0:shares) tasks, see kj_team
    end type stage_t
 
    !> Stages, one after the other
    type :: plan_t
-      type(stage_t), allocatable :: stage(:)      !! the first, and what is late of it
+      type(stage_t), allocatable :: stage(:)
       integer, allocatable :: hub(:)              !! (parts) the hub of each part
       logical, allocatable :: ready(:, :)         !! (parts, rounds) summed by a task
    end type plan_t
@@ -34,7 +35,7 @@ module kj_plan
    !> What pieces or parts wait for
    type :: wait_t
       integer, allocatable :: after(:)            !! piece of joints in its first round
-      logical, allocatable :: early(:)            !! and for nothing of another thread
+      logical, allocatable :: early(:)            !! and for nothing of another share
    end type wait_t
 
    !> Tasks before they are put in order
@@ -45,7 +46,7 @@ module kj_plan
 
 contains
 
-   !> Plan for the joints and leads of a team: one round, or two where `rests` is given
+   !> Plan for the joints and leads of a team: round 0 and one more, or two where `rests` is given
    pure subroutine new_plan(first, map, team, plan, rests)
       integer, intent(in) :: first(:)             !! of each batch, number of the joints before it
       type(lead_map_t), intent(in) :: map
@@ -73,7 +74,9 @@ contains
       end do
       joints%after = [(i, i=1, size(team%joint, 2))]
       joints%early = spread(.true., 1, size(joints%after))
+      call start_with_leads(map, team, piece, leads)
       tasks = no_tasks()
+      call add_tasks(DO_LEADS, 0, leads, tasks)
       do round = 1, rounds
          if (round > 1) call wait_for_leads(map, team, rests, piece, parts, leads, joints)
          call wait_for_joints(map, team, piece, joints, parts, leads)
@@ -93,14 +96,50 @@ contains
       integer :: i, n
 
       n = size(team%lead, 2)
-      allocate (plan%stage(1), plan%hub(0), plan%ready(0, 1))
-      associate (stage => plan%stage(1))
+      allocate (plan%stage(0:0), plan%hub(0), plan%ready(0, 1))
+      associate (stage => plan%stage(0))
          stage%kind = spread(DO_LEADS, 1, n)
-         stage%round = spread(1, 1, n)
+         stage%round = spread(0, 1, n)
          stage%item = [(i, i=1, n)]
          stage%shares = team%leads
       end associate
    end subroutine plan_of_leads
+
+   !> Where the pieces of leads begin: with the first of the joints that wait for them. Those that
+   !> joints of several shares wait for come before all.
+   pure subroutine start_with_leads(map, team, piece, leads)
+      type(lead_map_t), intent(in) :: map
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: piece(:)             !! of each joint
+      type(wait_t), intent(out) :: leads
+
+      integer, allocatable :: pieces(:)
+      integer :: i, n, owner(size(team%joint, 2))
+
+      owner = owners(team)
+      n = size(team%lead, 2)
+      allocate (leads%after(n), source=0)
+      allocate (leads%early(n), source=.false.)
+      do i = 1, n
+         pieces = piece(abs(map%joint(map%first(team%lead(1, i)): &
+            map%first(team%lead(2, i) + 1) - 1)))
+         if (size(pieces) == 0) cycle
+         leads%after(i) = minval(pieces)
+         leads%early(i) = all(owner(pieces) == owner(pieces(1)))
+      end do
+   end subroutine start_with_leads
+
+   !> Share of each piece of joints
+   pure function owners(team) result(owner)
+      type(team_t), intent(in) :: team
+      integer :: owner(size(team%joint, 2))
+
+      integer :: s
+
+      do s = 1, team%shares
+         owner(team%joints(s - 1) + 1:team%joints(s)) = s
+      end do
+   end function owners
 
    !> What the parts of hubs and the pieces of leads wait for in a round
    pure subroutine wait_for_joints(map, team, piece, joints, parts, leads)
@@ -110,11 +149,9 @@ contains
       type(wait_t), intent(in) :: joints
       type(wait_t), intent(out) :: parts, leads
 
-      integer :: i, h, t, entries(2), owner(size(team%joint, 2))
+      integer :: i, h, entries(2), owner(size(team%joint, 2))
 
-      do t = 1, team%threads
-         owner(team%joints(t - 1) + 1:team%joints(t)) = t
-      end do
+      owner = owners(team)
       i = map%part(size(map%part)) - 1
       allocate (parts%after(i), parts%early(i))
       do h = 1, size(map%hub)
@@ -132,7 +169,7 @@ contains
       end do
    end subroutine wait_for_joints
 
-   !> What waits for these pieces of joints: is one thread to do them all early?
+   !> What waits for these pieces of joints: does one share have them all early?
    pure subroutine follow(joints, owner, pieces, after, early)
       type(wait_t), intent(in) :: joints
       integer, intent(in) :: owner(:), pieces(:)
@@ -213,8 +250,9 @@ contains
       tasks%early = [tasks%early, wait%early]
    end subroutine add_tasks
 
-   !> The first stage: each piece of joints, followed by what waited for it. Then, round by round,
-   !> late joints and late leads; late parts are summed with their leads.
+   !> The leads that several shares wait for; then each piece of joints, between its leads and what
+   !> waited for it; then, round by round, late joints and late leads. Late parts are summed with
+   !> their leads.
    pure subroutine order_tasks(tasks, team, rounds, stage)
       type(tasks_t), intent(in) :: tasks
       type(team_t), intent(in) :: team
@@ -224,34 +262,35 @@ contains
       integer, allocatable :: pick(:)
       integer :: i, round
 
-      allocate (stage(2*rounds))
+      allocate (stage(0:2*rounds))
+      stage(0) = late_stage(tasks, DO_LEADS, 0, team%shares)
       pick = pack([(i, i=1, size(tasks%early))], tasks%early)
       pick = pick(sorted_order(tasks%after(pick)))   ! stable
       stage(1) = stage_of(tasks, pick, [(count(tasks%after(pick) <= team%joints(i)), &
-         i=0, team%threads)])
+         i=0, team%shares)])
       do round = 1, rounds
-         if (round > 1) stage(2*round - 1) = late_stage(tasks, DO_JOINTS, round, team%threads)
-         stage(2*round) = late_stage(tasks, DO_LEADS, round, team%threads)
+         if (round > 1) stage(2*round - 1) = late_stage(tasks, DO_JOINTS, round, team%shares)
+         stage(2*round) = late_stage(tasks, DO_LEADS, round, team%shares)
       end do
    end subroutine order_tasks
 
    !> What is late of a kind in a round
-   pure type(stage_t) function late_stage(tasks, kind, round, threads) result(stage)
+   pure type(stage_t) function late_stage(tasks, kind, round, shares) result(stage)
       type(tasks_t), intent(in) :: tasks
-      integer, intent(in) :: kind, round, threads
+      integer, intent(in) :: kind, round, shares
 
       integer, allocatable :: pick(:)
       integer :: i
 
       pick = pack([(i, i=1, size(tasks%early))], .not. tasks%early .and. tasks%kind == kind .and. &
          tasks%round == round)
-      stage = stage_of(tasks, pick, [((i*size(pick))/threads, i=0, threads)])
+      stage = stage_of(tasks, pick, [((i*size(pick))/shares, i=0, shares)])
    end function late_stage
 
    pure type(stage_t) function stage_of(tasks, pick, shares) result(stage)
       type(tasks_t), intent(in) :: tasks
       integer, intent(in) :: pick(:)
-      integer, intent(in) :: shares(0:)           !! (0:threads)
+      integer, intent(in) :: shares(0:)           !! (0:shares)
 
       stage%kind = tasks%kind(pick)
       stage%round = tasks%round(pick)

@@ -133,7 +133,7 @@ contains
    !> microsecond, more than the stage of a few joints.
    subroutine in_pieces(stage, shares, model, state)
       procedure(stage_i) :: stage
-      integer, intent(in) :: shares(0:)      !! pieces up to the end of each thread's share
+      integer, intent(in) :: shares(0:)      !! pieces up to the end of each share
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
 
@@ -145,21 +145,22 @@ contains
          end do
          return
       end if
-      !$omp parallel do schedule(static, 1) num_threads(state%team%threads) private(piece)
-      do share = 1, state%team%threads
+      !$omp parallel do schedule(dynamic, 1) num_threads(state%team%threads) private(piece)
+      do share = 1, state%team%shares
          do piece = shares(share - 1) + 1, shares(share)
             call stage(model, state, piece)
          end do
       end do
    end subroutine in_pieces
 
-   !> A task of the first stage of the plan
+   !> A task of the first stage of the plan; leads have nothing to do before their joints
    subroutine do_all_of(model, state, task)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
       integer, intent(in) :: task
 
       if (state%plan%stage(1)%kind(task) == DO_LEADS) then
+         if (state%plan%stage(1)%round(task) == 0) return
          call gather_and_accelerate(model, state, state%plan%stage(1)%item(task))
       else
          call do_joints_of(model, state, task)
@@ -186,7 +187,7 @@ contains
       end associate
    end subroutine do_joints_of
 
-   !> Leads that had to wait for joints of other threads
+   !> Leads that had to wait for joints of several shares
    subroutine do_late(model, state, task)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
