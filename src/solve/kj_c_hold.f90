@@ -256,14 +256,21 @@ contains
       do i = first, last
          lead = c%hold(i)%lead
          call rows_of(state, c%hold(i)%trans(:c%hold(i)%n_trans), target, active, b, u, drives, n)
-         if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), &
-            state%poses%v(lead, :), power)
+         if (n == 3 .and. .not. any(drives)) then
+            state%poses%v(lead, :) = 0.0_wp
+         else if (n > 0) then
+            call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), &
+               state%poses%v(lead, :), power)
+         end if
          call rows_of(state, c%hold(i)%rot(:c%hold(i)%n_rot), target, active, b, u, drives, n)
-         if (n == 0) cycle
-         g = inverse_inertia(c, state, lead)
-         l = matmul(inertia(c, state, lead), state%poses%w(lead, :))
-         call drive(n, b, u, drives, FIRST_HALF, u, g, l, power)
-         state%poses%w(lead, :) = matmul(g, l)
+         if (n == 3 .and. .not. any(drives)) then
+            state%poses%w(lead, :) = 0.0_wp
+         else if (n > 0) then
+            g = inverse_inertia(c, state, lead)
+            l = matmul(inertia(c, state, lead), state%poses%w(lead, :))
+            call drive(n, b, u, drives, FIRST_HALF, u, g, l, power)
+            state%poses%w(lead, :) = matmul(g, l)
+         end if
       end do
    end subroutine project_rates
 

@@ -46,6 +46,7 @@ module kj_state
       integer :: ortho_joint = 0                          !! index of its joint
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
       logical :: sampling = .false.                       !! keep what only samples need
+      logical :: behind = .false.                         !! positions, v and w are still to move
       !> largest square of a turn in a step so far
       real(wp) :: turn2 = 0.0_wp
       integer :: turn_body = 0                            !! the body that made it

@@ -54,8 +54,10 @@ contains
          call add_host_loads(state)
          call in_pieces(accelerate, state%team%leads, model, state)
       else
+         if (state%behind) call in_pieces(do_first, state%plan%stage(0)%shares, model, state)
          call in_pieces(do_all_of, state%plan%stage(1)%shares, model, state)
          call in_pieces(do_late, state%plan%stage(2)%shares, model, state)
+         state%behind = .false.
       end if
       call solve_conditioned(model, state)
       call choose_step(model, state)
@@ -71,7 +73,8 @@ contains
       call impose_motion(model, state)
    end subroutine find_accelerations
 
-   !> Move everything to t(n + 1).
+   !> Move everything to t(n + 1): at once, or in the next find_accelerations, where nothing but
+   !> joints looks at nodes before.
    !>
    !> Errors: ERR_RUN when a body turns too far in a step.
    subroutine advance(model, state, error)
@@ -82,7 +85,9 @@ contains
       integer :: i
 
       call check_turns(model, state, error)
-      call in_pieces(move, state%team%leads, model, state)
+      state%behind = .not. is_loaded(model, state) .and. size(model%motion) == 0 .and. &
+         size(model%skews%needed) == 0
+      if (.not. state%behind) call in_pieces(move, state%team%leads, model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
             state%h2*state%world%w(model%motion(i)%lead, :)
@@ -153,15 +158,27 @@ contains
       end do
    end subroutine in_pieces
 
-   !> A task of the first stage of the plan; leads have nothing to do before their joints
+   !> Leads that joints of several shares wait for
+   subroutine do_first(model, state, task)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(inout) :: state
+      integer, intent(in) :: task
+
+      call move(model, state, state%plan%stage(0)%item(task))
+   end subroutine do_first
+
+   !> A task of the stage that most are in
    subroutine do_all_of(model, state, task)
       type(model_t), intent(in) :: model
       type(state_t), intent(inout) :: state
       integer, intent(in) :: task
 
       if (state%plan%stage(1)%kind(task) == DO_LEADS) then
-         if (state%plan%stage(1)%round(task) == 0) return
-         call gather_and_accelerate(model, state, state%plan%stage(1)%item(task))
+         if (state%plan%stage(1)%round(task) > 0) then
+            call gather_and_accelerate(model, state, state%plan%stage(1)%item(task))
+         else if (state%behind) then
+            call move(model, state, state%plan%stage(1)%item(task))
+         end if
       else
          call do_joints_of(model, state, task)
       end if
