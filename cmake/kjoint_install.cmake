@@ -23,6 +23,19 @@ write_basic_package_version_file(kjoint-config-version.cmake COMPATIBILITY SameM
 install(FILES ${PROJECT_BINARY_DIR}/kjoint-config.cmake
   ${PROJECT_BINARY_DIR}/kjoint-config-version.cmake DESTINATION ${package_dir})
 
+# ---- licences: that of kjoint, and that of HDF5 where the program holds it
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+if(KJOINT_IO AND KJOINT_STATIC_HDF5 AND KJOINT_HDF5_HAS_ARCHIVES)
+  find_file(KJOINT_HDF5_LICENCE NAMES copyright COPYING LICENSE PATHS /usr/share/doc/libhdf5-dev
+    /usr/share/doc/hdf5 /usr/share/licenses/hdf5 NO_DEFAULT_PATH)
+  mark_as_advanced(KJOINT_HDF5_LICENCE)
+  if(KJOINT_HDF5_LICENCE)
+    install(FILES ${KJOINT_HDF5_LICENCE} DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright.hdf5)
+  else()
+    message(STATUS "The licence of HDF5 was not found: add it to what you pass on")
+  endif()
+endif()
+
 # ---- pkg-config: kjoint for Fortran (static), kjoint-c for C
 set(pc_libraries "-llapack -lblas")
 if(KJOINT_OPENMP AND OpenMP_Fortran_FLAGS)

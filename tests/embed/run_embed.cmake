@@ -13,6 +13,14 @@ foreach(name tests/embed examples)
   run(${CMAKE_COMMAND} --build ${WORK}/${short})
 endforeach()
 
+# a program that holds HDF5 itself comes with its licence
+if(EXISTS ${WORK}/prefix/bin/kjoint AND EXISTS /usr/share/doc/libhdf5-dev/copyright)
+  execute_process(COMMAND ldd ${WORK}/prefix/bin/kjoint OUTPUT_VARIABLE libraries COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT libraries MATCHES "libhdf5" AND NOT EXISTS ${WORK}/prefix/share/doc/kjoint/copyright.hdf5)
+    message(FATAL_ERROR "the program holds HDF5, and its licence is not installed")
+  endif()
+endif()
+
 # a project in C alone
 file(WRITE ${WORK}/c_alone/CMakeLists.txt [[
 cmake_minimum_required(VERSION 3.25)
