@@ -9,13 +9,16 @@ module kj_team
    implicit none
    private
 
-   public :: team_t, new_team, has_threads
+   public :: team_t, new_team, owners, has_threads
 
-   integer, parameter, public :: GRAIN = 128      !! cuts lie at its multiples: whole blocks
-   integer, parameter :: SHARES = 4               !! for each thread: slower ones do fewer
+   integer, parameter, public :: GRAIN = 64      !! cuts lie at its multiples: whole blocks
+   integer, parameter :: SHARES_OF_ONE = 4       !! for each thread, at most: slower ones do fewer
+   integer, parameter :: LEAST_SHARE = 4096      !! joints or leads that are worth more than one
    integer, parameter :: PIECES = 2               !! in each share, at least
    !> Leads, or joints of all batches, in a piece: what comes next finds them in the cache
-   integer, parameter, public :: MOST = 4*GRAIN
+   integer, parameter, public :: MOST = 8*GRAIN
+   !> Joints and leads of a scene that does not fit in the second cache
+   integer, parameter, public :: LARGE = 4000
    integer, parameter :: FINE = 10**6             !! places along a batch that are told apart
    integer, parameter :: LEAD_WORK = 8            !! of a lead, in that of one joint end or node
 
@@ -34,20 +37,27 @@ module kj_team
 contains
 
    !> Cut a scene. It gets no more threads than it has joints and leads for: `least` each.
-   pure subroutine new_team(threads, least, n_joint, n_end, team)
+   pure subroutine new_team(threads, least, n_joint, n_end, team, shares)
       integer, intent(in) :: threads, least
       integer, intent(in) :: n_joint(:)           !! of each batch
       integer, intent(in) :: n_end(:)             !! (n_lead) joint ends, and nodes to move, of each
       type(team_t), intent(out) :: team
+      !> for each thread, with pieces as small as they go; else as many as are worth it
+      integer, intent(in), optional :: shares
 
-      integer :: k, n, n_lead, length
+      integer :: k, n, n_lead, length, most_now
 
       n_lead = size(n_end)
       n = sum(n_joint)
       team%threads = max(1, min(threads, max(n, n_lead)/max(1, least)))
-      if (team%threads > 1) team%shares = SHARES*team%threads
-      call cut_batches(n_joint, min(MOST, piece_length(n, team%shares)), team%joint)
-      length = min(MOST, piece_length(n_lead, team%shares))
+      most_now = merge(GRAIN, MOST, present(shares))
+      if (team%threads > 1) then
+         k = max(1, min(SHARES_OF_ONE, max(n, n_lead)/(team%threads*LEAST_SHARE)))
+         if (present(shares)) k = shares
+         team%shares = k*team%threads
+      end if
+      call cut_batches(n_joint, min(most_now, piece_length(n, team%shares)), team%joint)
+      length = min(most_now, piece_length(n_lead, team%shares))
       n = (n_lead + length - 1)/length
       allocate (team%lead(2, n))
       do k = 1, n
@@ -105,6 +115,18 @@ contains
          before = before + work(k)
       end do
    end function fair_shares
+
+   !> Share of each piece of joints
+   pure function owners(team) result(owner)
+      type(team_t), intent(in) :: team
+      integer :: owner(size(team%joint, 2))
+
+      integer :: s
+
+      do s = 1, team%shares
+         owner(team%joints(s - 1) + 1:team%joints(s)) = s
+      end do
+   end function owners
 
    !> Was this built with OpenMP?
    pure logical function has_threads()

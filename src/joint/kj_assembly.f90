@@ -10,7 +10,7 @@ module kj_assembly
 
    public :: lead_map_t, build_lead_map, part_entries, sum_part, gather_wrenches
 
-   integer, parameter, public :: SPAN = 512
+   integer, parameter, public :: SPAN = 64
    integer, parameter, public :: N_SUM = 8        !! rows of a sum: force, moment, kn, kr
 
    !> For each lead, the joint ends that act on it (compressed rows)

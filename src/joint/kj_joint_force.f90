@@ -12,6 +12,8 @@ module kj_joint_force
       add_cross
    use kj_joint_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve, step_stiffness
    use kj_joint_limit, only: limited_laws
+   use kj_joint_ahead, only: ahead_t, next_block, prefetch_part, AHEAD_FRAME, AHEAD_AXES, &
+      AHEAD_RATE, AHEAD_WORK, AHEAD_WRENCH, AHEAD_END
    use kj_spring, only: line_axes, spring_laws, couple_shares
    implicit none
    private
@@ -33,6 +35,7 @@ module kj_joint_force
       real(wp), allocatable :: x(:, :)           !! (n_node, 3) positions, leads first, W
       real(wp), allocatable :: w(:, :)           !! (n_lead, 3) angular velocities, W
       real(wp), allocatable :: skew(:, :)        !! (0:n_skew, 9) axes of the skews, W
+      logical :: large = .false.                 !! the scene does not fit in the cache
    end type world_t
 
 contains
@@ -81,9 +84,13 @@ contains
 
       real(wp) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3), q(BLOCK, NDOF), qdot(BLOCK, NDOF)
       real(wp) :: f(BLOCK, NDOF), change
+      type(ahead_t) :: ahead
+      logical :: idle(NDOF)
       integer :: i, j, k
 
-      call move_frames(batch, world, h, from, n, state, e, xl, turn)
+      ahead = next_block(batch, world%large, from + BLOCK)
+      idle = batch%law == 0 .and. .not. (batch%limited .or. is_spring(batch))
+      call move_frames(batch, world, h, from, n, ahead, wrench, state, e, xl, turn)
       do k = 1, 3
          do i = 1, n
             j = from + i - 1
@@ -92,6 +99,7 @@ contains
          end do
       end do
       do k = 1, NDOF
+         call prefetch_part(ahead, AHEAD_RATE + k, batch, world%x, state, wrench)
          do i = 1, n
             qdot(i, k) = 0.0_wp
             if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(from + i - 1, k))/h
@@ -105,6 +113,11 @@ contains
          call laws(batch, curves, from, n, q, qdot, state, f)
       end if
       do k = 1, NDOF
+         call prefetch_part(ahead, AHEAD_WORK + k, batch, world%x, state, wrench)
+         if (idle(k)) then                           ! without force, ever
+            state%q(from:from + n - 1, k) = q(:n, k)
+            cycle
+         end if
          do i = 1, n
             j = from + i - 1
             change = q(i, k) - state%q(j, k)
@@ -114,15 +127,17 @@ contains
          end do
       end do
       if (keep_rates) state%qdot(from:from + n - 1, :) = qdot(:n, :)
-      call put_wrench(batch, world, from, n, state, e, xl, f, wrench)
+      call put_wrench(batch, world, from, n, ahead, state, e, xl, f, wrench)
    end subroutine add_block
 
    !> New frames, offset of node 2 in them, and relative angular velocity in them
-   pure subroutine move_frames(batch, world, h, from, n, state, e, xl, turn)
+   pure subroutine move_frames(batch, world, h, from, n, ahead, wrench, state, e, xl, turn)
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
+      type(ahead_t), intent(in) :: ahead
+      real(wp), contiguous, intent(in) :: wrench(:, :)   !! for what is ahead
       type(joint_state_t), intent(inout) :: state
       real(wp), intent(out) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3)
 
@@ -130,6 +145,7 @@ contains
       integer :: i, j, k
 
       do k = 1, 3
+         call prefetch_part(ahead, AHEAD_FRAME + k, batch, world%x, state, wrench)
          do i = 1, n
             j = from + i - 1
             r(i, k) = world%x(batch%node(j, 2), k) - world%x(batch%node(j, 1), k)
@@ -137,6 +153,7 @@ contains
             a(i, k) = 0.5_wp*h*(world%w(batch%lead(j, 1), k) + world%w(batch%lead(j, 2), k))
          end do
       end do
+      call prefetch_part(ahead, AHEAD_AXES + 1, batch, world%x, state, wrench)
       select case (batch%frame)
       case (FRAME_MEAN)
          e(:n, :) = state%e(from:from + n - 1, :)
@@ -158,7 +175,9 @@ contains
             e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
          end do
       end select
+      call prefetch_part(ahead, AHEAD_AXES + 2, batch, world%x, state, wrench)
       state%e(from:from + n - 1, :) = e(:n, :)
+      call prefetch_part(ahead, AHEAD_AXES + 3, batch, world%x, state, wrench)
       if (batch%frame == FRAME_CROSS) then
          call to_local(n, dual, r, xl)
          call to_local(n, dual, dw, turn)
@@ -246,10 +265,11 @@ contains
    !>
    !>   F = E f,  c = 1/2 XL x f,  moment at node 1: E (m + c), at node 2: -E (m - c);
    !> springs share the couple otherwise, and count once in the stiffness, not twice
-   pure subroutine put_wrench(batch, world, from, n, state, e, xl, f, wrench)
+   pure subroutine put_wrench(batch, world, from, n, ahead, state, e, xl, f, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
       integer, intent(in) :: from, n
+      type(ahead_t), intent(in) :: ahead
       type(joint_state_t), intent(in) :: state
       real(wp), intent(in) :: e(BLOCK, 9), xl(BLOCK, 3), f(BLOCK, NDOF)
       real(wp), contiguous, intent(inout) :: wrench(:, :)
@@ -260,21 +280,28 @@ contains
 
       part = couple_shares(batch)
       times = merge(1.0_wp, 2.0_wp, is_spring(batch))
+      call prefetch_part(ahead, AHEAD_WRENCH + 1, batch, world%x, state, wrench)
       call to_world(n, e, f(:, 1:3), force)
       m(:n, :) = f(:n, 4:6)
+      call prefetch_part(ahead, AHEAD_WRENCH + 2, batch, world%x, state, wrench)
       call add_cross(n, part(1), xl, f(:, 1:3), m)
+      call prefetch_part(ahead, AHEAD_WRENCH + 3, batch, world%x, state, wrench)
       call to_world(n, e, m, m1)
       m(:n, :) = -f(:n, 4:6)
+      call prefetch_part(ahead, AHEAD_WRENCH + 4, batch, world%x, state, wrench)
       call add_cross(n, part(2), xl, f(:, 1:3), m)
       call to_world(n, e, m, m2)
       do k = 1, 3
+         call prefetch_part(ahead, AHEAD_END + k, batch, world%x, state, wrench)
          do i = 1, n
             j = from + i - 1
             arm1(i, k) = world%x(batch%node(j, 1), k) - world%x(batch%lead(j, 1), k)
             arm2(i, k) = world%x(batch%node(j, 2), k) - world%x(batch%lead(j, 2), k)
          end do
       end do
+      call prefetch_part(ahead, AHEAD_WRENCH + 5, batch, world%x, state, wrench)
       call add_cross(n, 1.0_wp, arm1, force, m1)
+      call prefetch_part(ahead, AHEAD_WRENCH + 6, batch, world%x, state, wrench)
       call add_cross(n, -1.0_wp, arm2, force, m2)
       do i = 1, n
          j = batch%first + from + i - 1

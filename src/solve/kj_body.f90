@@ -25,13 +25,12 @@ contains
       integer, intent(in) :: lo, hi
       real(wp), intent(in) :: moment(lo:, :)     !! (>= hi - lo + 1, 3) W
       type(state_t), intent(inout) :: state
-      real(wp), intent(inout) :: fastest         !! the largest w**2 of them
+      real(wp), intent(inout) :: fastest         !! the largest w**2, of them too
 
       real(wp), dimension(BLOCK, 3) :: phi, w, m, wl, ml, al
       real(wp) :: p(BLOCK, 9)
       integer :: from, to, n, i, k
 
-      fastest = 0.0_wp
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
@@ -210,6 +209,7 @@ contains
          wb = w(b, :) + h12*al(b, :)
          xb = x(b, :)
          rests = all(abs(vb) <= 0.0_wp) .and. all(abs(wb) <= 0.0_wp)
+         if (rests .and. crew%unread(b)) cycle
          do k = crew%first(b), crew%first(b + 1) - 1
             if (rests .and. .not. crew%kept(k)) cycle
             i = crew%node(k)

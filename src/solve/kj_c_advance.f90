@@ -15,7 +15,7 @@ module kj_c_advance
    use kj_c_limits, only: nodal_bound
    use kj_c_contact, only: contact_t, watch_stops
    use kj_c_load, only: field_at
-   use kj_c_step, only: c_step
+   use kj_c_step, only: c_steps
    use kj_c_rkmk, only: rkmk_step
    implicit none
    private
@@ -99,24 +99,27 @@ contains
       type(c_state_t), intent(inout) :: state
       logical, intent(out) :: arrived
 
-      integer :: i
+      integer :: left, now
 
       arrived = .not. t_end > state%time
       if (arrived) return
       if (self%left == 0 .or. abs(t_end - self%t_end) > 0.0_wp) then
          if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
             call change_step(model, c, self%first, state)
-            call take_step(model, c, self%integrator, self%first, state)
+            call take_steps(model, c, self%integrator, self%first, 1, state)
          end if
          self%t_end = t_end
          self%since = 0
          call watch_stops(c, state, self%limit, LOOK, self%contact)
          call divide_way(model, c, self, state)
       end if
-      do i = 1, steps
-         call take_step(model, c, self%integrator, self%h, state)
-         self%left = self%left - 1
-         self%since = self%since + 1
+      left = steps
+      do while (left > 0)
+         now = min(left, self%left, LOOK - self%since)
+         call take_steps(model, c, self%integrator, self%h, now, state)
+         left = left - now
+         self%left = self%left - now
+         self%since = self%since + now
          arrived = self%left == 0
          if (arrived) exit
          if (self%since == LOOK) call look_ahead(model, c, self, state)
@@ -160,19 +163,25 @@ contains
       call change_step(model, c, self%h, state)
    end subroutine divide_way
 
-   subroutine take_step(model, c, integrator, h, state)
+   !> n steps of h
+   subroutine take_steps(model, c, integrator, h, n, state)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       integer, intent(in) :: integrator
       real(wp), intent(in) :: h
+      integer, intent(in) :: n
       type(c_state_t), intent(inout) :: state
 
+      integer :: i
+
       if (integrator == RKMK4) then
-         call rkmk_step(model, c, h, state)
+         do i = 1, n
+            call rkmk_step(model, c, h, state)
+         end do
       else
-         call c_step(model, c, integrator == LIEMID, h, state)
+         call c_steps(model, c, integrator == LIEMID, h, n, state)
       end if
-   end subroutine take_step
+   end subroutine take_steps
 
    !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
    !> ends, and that has something that hangs on them; 0 when there is none

@@ -3,6 +3,7 @@ module kj_c_build
    use kj_kinds, only: wp
    use kj_team, only: new_team
    use kj_plan, only: new_plan, plan_of_leads
+   use kj_wave, only: N_STEP
    use kj_assembly, only: SPAN, N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
@@ -14,7 +15,8 @@ module kj_c_build
       CHART_UNIVERSAL, CHART_VECTOR
    use kj_c_matrix, only: N_C_WRENCH
    use kj_c_state, only: c_model_t, c_state_t, row_t
-   use kj_c_collect, only: collect_holds
+   use kj_c_collect, only: collect_holds, at_rest, all_blocked
+   use kj_c_wave, only: build_wave
    use kj_c_hold, only: motion_targets, project_all, WHOLE
    use kj_gravity, only: new_gravity
    use kj_c_step, only: find_forces
@@ -61,6 +63,7 @@ contains
          c%placed = [c%placed, model%cload(i)%node]
       end do
       c%loose = loose_ends(model)
+      call build_wave(model, c)
    end subroutine build_c_model
 
    !> Ends whose moving skew does not ride on the lead of the joint node: (2, n) joint in deck
@@ -148,29 +151,6 @@ contains
          if (all_blocked(c%hold(h)%rot, c%hold(h)%n_rot)) c%ii(i, :) = 0.0_wp
       end do
    end subroutine set_inertia
-
-   !> Leads that are blocked in all directions
-   pure function at_rest(c) result(rests)
-      type(c_model_t), intent(in) :: c
-      logical :: rests(size(c%hold_of))
-
-      integer :: i
-
-      rests = .false.
-      do i = 1, size(c%hold)
-         associate (hold => c%hold(i))
-            rests(hold%lead) = all_blocked(hold%trans, hold%n_trans) .and. &
-               all_blocked(hold%rot, hold%n_rot)
-         end associate
-      end do
-   end function at_rest
-
-   pure logical function all_blocked(rows, n) result(blocked)
-      type(row_t), intent(in) :: rows(3)
-      integer, intent(in) :: n
-
-      blocked = n == 3 .and. all(rows%motion == 0)
-   end function all_blocked
 
    !> Descending values, right-handed axes
    pure subroutine sort_axes(values, axes)
@@ -299,7 +279,7 @@ contains
          call new_c_joint(c%batch(b)%n, state%joint(b))
          if (c%batch(b)%limited) call new_c_limits(c%batch(b)%n, state%joint(b))
       end do
-      allocate (state%part(N_SUM, size(c%once%hub), 2), source=0.0_wp)
+      allocate (state%part(N_SUM, size(c%once%hub), 2, 0:N_STEP), source=0.0_wp)
       allocate (state%wrench(N_C_WRENCH, model%n_element), state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
          source=0.0_wp)

@@ -8,7 +8,7 @@ module kj_c_collect
    implicit none
    private
 
-   public :: collect_holds
+   public :: collect_holds, at_rest, all_blocked
 
 contains
 
@@ -86,5 +86,29 @@ contains
          c%hold_to((lead + BLOCK - 1)/BLOCK) = n
       end do
    end subroutine sort_holds
+
+   !> Leads that are blocked in all directions
+   pure function at_rest(c) result(rests)
+      type(c_model_t), intent(in) :: c
+      logical :: rests(size(c%hold_of))
+
+      integer :: i
+
+      rests = .false.
+      do i = 1, size(c%hold)
+         associate (hold => c%hold(i))
+            rests(hold%lead) = all_blocked(hold%trans, hold%n_trans) .and. &
+               all_blocked(hold%rot, hold%n_rot)
+         end associate
+      end do
+   end function at_rest
+
+   !> Rows hold three directions, and none is driven
+   pure logical function all_blocked(rows, n) result(blocked)
+      type(row_t), intent(in) :: rows(3)
+      integer, intent(in) :: n
+
+      blocked = n == 3 .and. all(rows%motion == 0)
+   end function all_blocked
 
 end module kj_c_collect

@@ -352,7 +352,7 @@ contains
       integer, intent(in) :: first, last             !! holds
       type(c_state_t), intent(inout) :: state
 
-      real(wp) :: q(4), p(4), w(3), b(3, 3), u(3)
+      real(wp) :: q(4), p(4), turned(4), w(3), b(3, 3), u(3)
       logical :: drives(3)
       integer :: i, n, lead
 
@@ -363,8 +363,9 @@ contains
          w = state%kept%w(:, i)
          q = to_quaternion(rotation(h*w))
          p = state%kept%quat(:, i)
-         state%poses%quat(lead, 1) = q(1)*p(1) - dot_product(q(2:4), p(2:4))
-         state%poses%quat(lead, 2:4) = q(1)*p(2:4) + p(1)*q(2:4) + cross(q(2:4), p(2:4))
+         turned(1) = q(1)*p(1) - dot_product(q(2:4), p(2:4))
+         turned(2:4) = q(1)*p(2:4) + p(1)*q(2:4) + cross(q(2:4), p(2:4))
+         state%poses%quat(lead, :) = turned          ! at once: of a lead at rest others look at it
          state%l(lead, :) = matmul(inertia(c, state, lead), w)
       end do
    end subroutine hold_rotations

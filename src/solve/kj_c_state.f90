@@ -43,6 +43,7 @@ module kj_c_state
       type(team_t) :: team                       !! pieces for the threads
       ! and their order: joints and leads once, twice (springs, dampers; where damped), leads alone
       type(plan_t) :: once, twice, alone
+      type(plan_t) :: wave                       !! several steps at once; no stages: there is none
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: im(:)             !! (n_lead) inverse mass, 0 where held or massless
       real(wp), allocatable :: i(:, :), ii(:, :) !! (n_lead, 3) principal inertia and its inverse
@@ -85,7 +86,8 @@ module kj_c_state
       type(kept_t) :: kept
       type(c_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_C_WRENCH, n_element)
-      real(wp), allocatable :: part(:, :, :)     !! (N_SUM, parts of hubs, 2 rounds) their sums
+      !> (N_SUM, parts of hubs, 2 rounds, 0:steps of a wave) their sums; 0: of a step alone
+      real(wp), allocatable :: part(:, :, :, :)
       !> (n_motion) value reached: velocity of an imposed acceleration
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads

@@ -8,6 +8,8 @@ module kj_c_step
    use kj_skew, only: move_skews
    use kj_assembly, only: sum_part
    use kj_plan, only: plan_t, DO_JOINTS, DO_PART, DO_LEADS
+   use kj_wave, only: N_STEP
+   use kj_c_wave, only: load_hub
    use kj_c_force, only: add_springs
    use kj_c_damper, only: add_dampers
    use kj_c_state, only: c_model_t, c_state_t
@@ -18,7 +20,7 @@ module kj_c_step
    implicit none
    private
 
-   public :: c_step, find_forces, place_node, reach_motions
+   public :: c_step, c_steps, find_forces, place_node, reach_motions
 
    !> What threads do with pieces of leads: one thing or the sum of several, in this order
    integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 4, WEIGH = 8, LOOK = 16, KICKING = 32
@@ -30,6 +32,7 @@ module kj_c_step
    type :: step_t
       logical :: midpoint = .false.                  !! liemid instead of split2
       real(wp) :: h = 0.0_wp
+      integer :: n = 1                               !! steps at once, of a wave
       !> (n_motion) wanted velocities: mean of the step, and at its end
       real(wp), allocatable :: mean(:), final(:)
       logical, allocatable :: active(:)              !! (n_motion)
@@ -59,6 +62,67 @@ contains
       state%time = state%time + h
       call to_new_pose(MOVE, KICKING, model, c, step, state)
    end subroutine c_step
+
+   !> n steps of h: in waves where the scene lets several steps go at once
+   subroutine c_steps(model, c, midpoint, h, n, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      logical, intent(in) :: midpoint                !! liemid instead of split2
+      real(wp), intent(in) :: h
+      integer, intent(in) :: n
+      type(c_state_t), intent(inout) :: state
+
+      integer :: left, now
+
+      left = n
+      do while (left > 0)
+         now = min(left, N_STEP)
+         if (allocated(state%f_host) .or. size(c%wave%stage) == 0) now = 1
+         if (now == 1) then
+            call c_step(model, c, midpoint, h, state)
+         else
+            call wave(model, c, midpoint, h, now, state)
+         end if
+         left = left - now
+      end do
+   end subroutine c_steps
+
+   !> At most N_STEP steps at once
+   subroutine wave(model, c, midpoint, h, n, state)
+      type(model_t), intent(in) :: model
+      type(c_model_t), intent(in) :: c
+      logical, intent(in) :: midpoint
+      real(wp), intent(in) :: h
+      integer, intent(in) :: n
+      type(c_state_t), intent(inout) :: state
+
+      type(step_t) :: step
+      integer :: i
+
+      allocate (step%mean(0), step%final(0), step%active(0))
+      step%midpoint = midpoint
+      step%h = h
+      step%n = n
+      state%h = h
+      state%cycle = state%cycle + n
+      do i = 1, n
+         state%time = state%time + h
+      end do
+      call find_gravity(model, state)
+      state%poses%time = state%time
+      state%poses%h = h
+      state%part(:, :, :, 0) = 0.0_wp
+      if (c%damped) then
+         call go_through(c%wave, [MOVE, GATHERING + WEIGH + LOOK, GATHERING + KICKING], &
+            [SPRINGS, DAMPERS], model, c, step, state)
+      else
+         call go_through(c%wave, [MOVE, GATHERING + WEIGH + KICKING], [SPRINGS], model, c, step, &
+            state)
+      end if
+      do i = 1, size(model%map%hub)
+         call load_hub(model, c, i, n, state)
+      end do
+   end subroutine wave
 
    !> Forces and moments of all leads in the pose reached. h = 0: at the start, dampers from the
    !> velocities as they are.
@@ -150,14 +214,14 @@ contains
 
       do s = lbound(plan%stage, 1), ubound(plan%stage, 1)
          if (size(plan%stage(s)%item) == 0) cycle
-         if (c%team%threads == 1) then
+         if (plan%team%threads == 1) then
             do task = 1, size(plan%stage(s)%item)
                call do_task(plan, s, task, leads, joints, model, c, step, state)
             end do
             cycle
          end if
-         !$omp parallel do schedule(dynamic, 1) num_threads(c%team%threads) private(task)
-         do share = 1, c%team%shares
+         !$omp parallel do schedule(dynamic, 1) num_threads(plan%team%threads) private(task)
+         do share = 1, ubound(plan%stage(s)%shares, 1)
             do task = plan%stage(s)%shares(share - 1) + 1, plan%stage(s)%shares(share)
                call do_task(plan, s, task, leads, joints, model, c, step, state)
             end do
@@ -168,21 +232,26 @@ contains
    !> A task of stage s
    subroutine do_task(plan, s, task, leads, joints, model, c, step, state)
       type(plan_t), intent(in) :: plan
-      integer, intent(in) :: s, task, leads(0:), joints(:)
+      integer, intent(in) :: s, task
+      integer, intent(in) :: leads(0:), joints(:)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      associate (item => plan%stage(s)%item(task), round => plan%stage(s)%round(task))
+      associate (item => plan%stage(s)%item(task), round => plan%stage(s)%round(task), &
+         at => plan%stage(s)%step(task))
+         if (at > step%n) return
          select case (plan%stage(s)%kind(task))
          case (DO_JOINTS)
-            call work_on_joints(joints(round), item, model, c, step, state)
+            call work_on_joints(joints(round), plan%team%joint(:, item), model, c, step, &
+               state)
          case (DO_PART)
-            call sum_part(model%map, state%wrench, plan%hub(item), item, state%part(:, item, round))
+            call sum_part(model%map, state%wrench, plan%hub(item), item, &
+               state%part(:, item, round, at))
          case (DO_LEADS)
-            call work_on_leads(leads(round), plan%ready(:, max(1, round)), round, item, model, c, &
-               step, state)
+            call work_on_leads(leads(round), plan%ready(:, max(1, round)), round, &
+               plan%team%lead(:, item), model, c, step, state)
          end select
       end associate
    end subroutine do_task
@@ -192,7 +261,7 @@ contains
       integer, intent(in) :: what
       logical, intent(in) :: ready(:)                !! (parts of hubs) summed
       integer, intent(in) :: round                   !! of their sums
-      integer, intent(in) :: piece
+      integer, intent(in) :: piece(2)                !! first, last lead
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
@@ -201,8 +270,8 @@ contains
       integer :: lo, hi
 
       if (what == NOTHING) return
-      do lo = c%team%lead(1, piece), c%team%lead(2, piece), GRAIN
-         hi = min(lo + GRAIN - 1, c%team%lead(2, piece))
+      do lo = piece(1), piece(2), GRAIN
+         hi = min(lo + GRAIN - 1, piece(2))
          if (has(MOVE)) call move_leads(model, c, step%midpoint, step%h, step%mean, step%active, &
             lo, hi, state)
          if (has(OPEN)) call open_leads(c, step%h, lo, hi, state)
@@ -224,14 +293,14 @@ contains
 
    !> A piece of the joints
    subroutine work_on_joints(what, piece, model, c, step, state)
-      integer, intent(in) :: what, piece
+      integer, intent(in) :: what
+      integer, intent(in) :: piece(3)                !! batch, first joint, last joint
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
       type(c_state_t), intent(inout) :: state
 
-      associate (b => c%team%joint(1, piece), lo => c%team%joint(2, piece), &
-         hi => c%team%joint(3, piece))
+      associate (b => piece(1), lo => piece(2), hi => piece(3))
          select case (what)
          case (SPRINGS)
             call add_springs(c%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &

@@ -4,7 +4,9 @@
 module kj_leads
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
+   use kj_prefetch, only: prefetch
    use kj_team, only: MOST
+   use kj_joint_frame, only: BLOCK
    use kj_model, only: model_t
    use kj_state, only: state_t, EPS20
    use kj_assembly, only: gather_wrenches
@@ -76,7 +78,9 @@ contains
       type(load_on_t) :: load
 
       call recall_load(piece, state, load)
-      call add_own(model, piece, state, load)
+      associate (lo => state%team%lead(1, piece), hi => state%team%lead(2, piece))
+         call add_own(model, lo, hi, load%f, load%m, state)
+      end associate
       call accelerate_leads(model, piece, load, state)
    end subroutine accelerate_again
 
@@ -129,21 +133,16 @@ contains
       end associate
    end subroutine recall_load
 
-   !> Loads on the leads themselves join what their joints and secondary nodes give
-   subroutine add_own(model, piece, state, load)
+   !> Loads on leads lo..hi themselves join what their joints and secondary nodes give
+   pure subroutine add_own(model, lo, hi, f, m, state)
       type(model_t), intent(in) :: model
-      integer, intent(in) :: piece
+      integer, intent(in) :: lo, hi
+      real(wp), intent(inout) :: f(lo:, :), m(lo:, :)   !! (>= hi - lo + 1, 3) W
       type(state_t), intent(in) :: state
-      type(load_on_t), intent(inout) :: load
-
-      integer :: n
 
       if (.not. is_loaded(model, state)) return
-      associate (lo => state%team%lead(1, piece), hi => state%team%lead(2, piece))
-         n = hi - lo + 1
-         load%f(:n, :) = load%f(:n, :) + state%f_own(lo:hi, :)
-         load%m(:n, :) = load%m(:n, :) + state%m_own(lo:hi, :)
-      end associate
+      f(lo:hi, :) = f(lo:hi, :) + state%f_own(lo:hi, :)
+      m(lo:hi, :) = m(lo:hi, :) + state%m_own(lo:hi, :)
    end subroutine add_own
 
    !> Turn of the bodies, accelerations, and what limits the step; impulses of the forces on
@@ -154,24 +153,53 @@ contains
       type(load_on_t), intent(inout) :: load
       type(state_t), intent(inout) :: state
 
-      integer :: lo, hi, last, n, k
+      integer :: lo, hi, last, from, to
 
       lo = state%team%lead(1, piece)
       hi = state%team%lead(2, piece)
       last = min(hi, model%n_body)
-      n = last - lo + 1
-      do k = 1, 3
-         state%impulse(lo:last, k) = state%impulse(lo:last, k) + state%h1*load%f(:n, k)
-         state%angular_impulse(lo:last, k) = state%angular_impulse(lo:last, k) + &
-            state%h1*load%m(:n, k)
+      state%fastest(piece) = 0.0_wp
+      do from = lo, last, BLOCK
+         to = min(from + BLOCK - 1, last)
+         if (state%world%large) call prefetch_bodies(to + 1, state)
+         call add_impulses(from, to, load%f(from - lo + 1:, :), load%m(from - lo + 1:, :), state)
+         call add_own(model, from, to, load%f(from - lo + 1:, :), load%m(from - lo + 1:, :), state)
+         call turn_bodies(from, to, load%m(from - lo + 1:, :), state, state%fastest(piece))
       end do
-      call add_own(model, piece, state, load)
-      call turn_bodies(lo, last, load%m, state, state%fastest(piece))
+      call add_own(model, max(lo, last + 1), hi, load%f(max(lo, last + 1) - lo + 1:, :), &
+         load%m(max(lo, last + 1) - lo + 1:, :), state)
       state%finite(piece) = all(ieee_is_finite(state%al(lo:last, 1)))
       call accelerate_leads(model, piece, load, state)
       if (model%control%nodal_step .or. model%control%joint_step) call least_ratio(model, state, &
          lo, hi, load%kn, load%kr, state%least(piece), state%least_at(piece))
    end subroutine accelerate_by
+
+   !> Sums over time of forces and moments on bodies lo..hi
+   pure subroutine add_impulses(lo, hi, f, m, state)
+      integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: f(lo:, :), m(lo:, :)   !! (>= hi - lo + 1, 3) W
+      type(state_t), intent(inout) :: state
+
+      integer :: k
+
+      do k = 1, 3
+         state%impulse(lo:hi, k) = state%impulse(lo:hi, k) + state%h1*f(lo:hi, k)
+         state%angular_impulse(lo:hi, k) = state%angular_impulse(lo:hi, k) + state%h1*m(lo:hi, k)
+      end do
+   end subroutine add_impulses
+
+   !> Ask for what the block of body `from` will read
+   pure subroutine prefetch_bodies(from, state)
+      integer, intent(in) :: from
+      type(state_t), intent(in) :: state
+
+      associate (to => from + BLOCK - 1)
+         call prefetch(from, to, state%p)
+         call prefetch(from, to, state%principal)
+         call prefetch(from, to, state%impulse)
+         call prefetch(from, to, state%angular_impulse)
+      end associate
+   end subroutine prefetch_bodies
 
    subroutine accelerate_leads(model, piece, load, state)
       type(model_t), intent(in) :: model

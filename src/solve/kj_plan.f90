@@ -7,12 +7,12 @@
 !> round starts for a joint as soon as the leads at both its ends have had their first.
 module kj_plan
    use kj_sort, only: sorted_order
-   use kj_team, only: team_t
+   use kj_team, only: team_t, owners
    use kj_assembly, only: lead_map_t, part_entries
    implicit none
    private
 
-   public :: plan_t, new_plan, plan_of_leads
+   public :: plan_t, stage_t, new_plan, plan_of_leads, hubs_of_parts, pieces_of_joints
 
    !> What a task does with its item, a piece of joints, a part of a hub or a piece of leads
    integer, parameter, public :: DO_JOINTS = 1, DO_PART = 2, DO_LEADS = 3
@@ -22,11 +22,13 @@ module kj_plan
       integer, allocatable :: kind(:)             !! of each task, DO_ constant
       integer, allocatable :: round(:)            !! 0, 1 or 2
       integer, allocatable :: item(:)
-      integer, allocatable :: shares(:)           !! (0:shares) tasks, see kj_team
+      integer, allocatable :: step(:)             !! of those in a wave; 0 = there is only one
+      integer, allocatable :: shares(:)           !! (0:shares) tasks up to the end of each share
    end type stage_t
 
    !> Stages, one after the other
    type :: plan_t
+      type(team_t) :: team                        !! whose pieces the items are
       type(stage_t), allocatable :: stage(:)
       integer, allocatable :: hub(:)              !! (parts) the hub of each part
       logical, allocatable :: ready(:, :)         !! (parts, rounds) summed by a task
@@ -58,20 +60,13 @@ contains
       type(wait_t) :: joints, parts, leads
       type(tasks_t) :: tasks
       integer, allocatable :: piece(:)            !! of each joint
-      integer :: i, n_part, round, rounds
+      integer :: i, round, rounds
 
       rounds = merge(2, 1, present(rests))
-      n_part = map%part(size(map%part)) - 1
-      allocate (plan%hub(n_part), plan%ready(n_part, rounds))
-      do i = 1, size(map%hub)
-         plan%hub(map%part(i):map%part(i + 1) - 1) = i
-      end do
-      allocate (piece(size(map%joint)/2))
-      do i = 1, size(team%joint, 2)
-         associate (j => team%joint(:, i))
-            piece(first(j(1)) + j(2):first(j(1)) + j(3)) = i
-         end associate
-      end do
+      plan%team = team
+      plan%hub = hubs_of_parts(map)
+      allocate (plan%ready(size(plan%hub), rounds))
+      piece = pieces_of_joints(first, team, size(map%joint)/2)
       joints%after = [(i, i=1, size(team%joint, 2))]
       joints%early = spread(.true., 1, size(joints%after))
       call start_with_leads(map, team, piece, leads)
@@ -88,6 +83,35 @@ contains
       call order_tasks(tasks, team, rounds, plan%stage)
    end subroutine new_plan
 
+   !> The hub of each part
+   pure function hubs_of_parts(map) result(hub)
+      type(lead_map_t), intent(in) :: map
+      integer, allocatable :: hub(:)
+
+      integer :: i
+
+      allocate (hub(map%part(size(map%part)) - 1))
+      do i = 1, size(map%hub)
+         hub(map%part(i):map%part(i + 1) - 1) = i
+      end do
+   end function hubs_of_parts
+
+   !> The piece of each joint
+   pure function pieces_of_joints(first, team, n_joint) result(piece)
+      integer, intent(in) :: first(:)             !! of each batch, number of the joints before it
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: n_joint
+      integer :: piece(n_joint)
+
+      integer :: i
+
+      do i = 1, size(team%joint, 2)
+         associate (j => team%joint(:, i))
+            piece(first(j(1)) + j(2):first(j(1)) + j(3)) = i
+         end associate
+      end do
+   end function pieces_of_joints
+
    !> All leads in one stage, without their joints
    pure subroutine plan_of_leads(team, plan)
       type(team_t), intent(in) :: team
@@ -96,11 +120,13 @@ contains
       integer :: i, n
 
       n = size(team%lead, 2)
+      plan%team = team
       allocate (plan%stage(0:0), plan%hub(0), plan%ready(0, 1))
       associate (stage => plan%stage(0))
          stage%kind = spread(DO_LEADS, 1, n)
          stage%round = spread(0, 1, n)
          stage%item = [(i, i=1, n)]
+         stage%step = spread(0, 1, n)
          stage%shares = team%leads
       end associate
    end subroutine plan_of_leads
@@ -128,18 +154,6 @@ contains
          leads%early(i) = all(owner(pieces) == owner(pieces(1)))
       end do
    end subroutine start_with_leads
-
-   !> Share of each piece of joints
-   pure function owners(team) result(owner)
-      type(team_t), intent(in) :: team
-      integer :: owner(size(team%joint, 2))
-
-      integer :: s
-
-      do s = 1, team%shares
-         owner(team%joints(s - 1) + 1:team%joints(s)) = s
-      end do
-   end function owners
 
    !> What the parts of hubs and the pieces of leads wait for in a round
    pure subroutine wait_for_joints(map, team, piece, joints, parts, leads)
@@ -295,6 +309,7 @@ contains
       stage%kind = tasks%kind(pick)
       stage%round = tasks%round(pick)
       stage%item = tasks%item(pick)
+      stage%step = spread(0, 1, size(pick))
       allocate (stage%shares(0:ubound(shares, 1)))
       stage%shares = shares
    end function stage_of

@@ -4,7 +4,7 @@
 !> t(n).
 module kj_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t, new_team
+   use kj_team, only: team_t, new_team, LARGE
    use kj_plan, only: plan_t, new_plan
    use kj_assembly, only: SPAN, N_SUM
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
@@ -28,6 +28,7 @@ module kj_state
       integer, allocatable :: first(:)        !! (n_lead + 1) start of each lead's nodes
       integer, allocatable :: node(:)
       logical, allocatable :: kept(:)         !! its velocity and displacement are read, too
+      logical, allocatable :: unread(:)       !! (n_lead) that is true of none of its nodes
       logical, allocatable :: few(:)          !! (n_lead) it has at most two secondary nodes
    end type crew_t
 
@@ -144,6 +145,7 @@ contains
          next(model%lead(i)) = next(model%lead(i)) + 1
       end do
       crew%kept = kept(crew%node)
+      crew%unread = [(.not. any(crew%kept(crew%first(b):crew%first(b + 1) - 1)), b=1, model%n_lead)]
       allocate (crew%few(model%n_lead), source=.false.)
       crew%few(:model%n_body) = model%n_secondary <= 2
    end subroutine list_crew
@@ -162,6 +164,7 @@ contains
       allocate (state%world%w, source=model%w0)
       allocate (state%world%skew(0:model%skews%n, 9))
       state%world%skew = model%skews%axes
+      state%world%large = model%n_joint + model%n_lead >= LARGE
       allocate (state%v, source=model%v0)
       allocate (state%d(model%n_node, 3), source=0.0_wp)
       associate (n => model%n_lead, nb => model%n_body)

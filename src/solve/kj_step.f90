@@ -7,6 +7,8 @@ module kj_step
    use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_state, only: state_t
+   use kj_prefetch, only: prefetch
+   use kj_joint_frame, only: BLOCK
    use kj_plan, only: DO_JOINTS, DO_PART, DO_LEADS
    use kj_skew, only: move_skews
    use kj_joint_force, only: add_joint_forces
@@ -223,11 +225,35 @@ contains
 
       associate (unused => model%n_node)
       end associate
-      lo = state%team%lead(1, piece)
-      hi = state%team%lead(2, piece)
-      call move_secondaries(lo, hi, state)
-      call move_leads(state%placed(piece), lo, hi, state)
+      do lo = state%team%lead(1, piece), state%team%lead(2, piece), BLOCK
+         hi = min(lo + BLOCK - 1, state%team%lead(2, piece))
+         if (state%world%large) call prefetch_moved(hi + 1, state)
+         call move_secondaries(lo, hi, state)
+         call move_leads(state%placed(piece), lo, hi, state)
+      end do
    end subroutine move
+
+   !> Ask for what the block of lead `from` will read
+   pure subroutine prefetch_moved(from, state)
+      integer, intent(in) :: from
+      type(state_t), intent(in) :: state
+
+      integer :: first, n
+
+      if (from > size(state%a, 1)) return
+      associate (to => min(from + BLOCK - 1, size(state%a, 1)), crew => state%crew)
+         call prefetch(from, to, state%a)
+         call prefetch(from, to, state%al)
+         call prefetch(from, to, state%v)
+         call prefetch(from, to, state%world%w)
+         call prefetch(from, to, state%world%x)
+         call prefetch(from, to, state%rotation_sum)
+         n = min(crew%first(to + 1) - crew%first(from), 2*BLOCK)   ! they mostly lie side by side
+         if (n == 0) return
+         first = crew%node(crew%first(from))
+         call prefetch(first, first + n - 1, state%world%x)
+      end associate
+   end subroutine prefetch_moved
 
    subroutine check_step(model, state, error)
       type(model_t), intent(in) :: model
