@@ -20,7 +20,7 @@ module kj_c_step
    implicit none
    private
 
-   public :: c_step, c_steps, find_forces, place_node, reach_motions
+   public :: c_steps, find_forces, place_node, reach_motions
 
    !> What threads do with pieces of leads: one thing or the sum of several, in this order
    integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 4, WEIGH = 8, LOOK = 16, KICKING = 32
@@ -87,7 +87,7 @@ contains
       end do
    end subroutine c_steps
 
-   !> At most N_STEP steps at once
+   !> At most N_STEP steps in one pass over the scene (kj_wave)
    subroutine wave(model, c, midpoint, h, n, state)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
@@ -232,8 +232,7 @@ contains
    !> A task of stage s
    subroutine do_task(plan, s, task, leads, joints, model, c, step, state)
       type(plan_t), intent(in) :: plan
-      integer, intent(in) :: s, task
-      integer, intent(in) :: leads(0:), joints(:)
+      integer, intent(in) :: s, task, leads(0:), joints(:)
       type(model_t), intent(in) :: model
       type(c_model_t), intent(in) :: c
       type(step_t), intent(in) :: step
@@ -244,8 +243,7 @@ contains
          if (at > step%n) return
          select case (plan%stage(s)%kind(task))
          case (DO_JOINTS)
-            call work_on_joints(joints(round), plan%team%joint(:, item), model, c, step, &
-               state)
+            call work_on_joints(joints(round), plan%team%joint(:, item), model, c, step, state)
          case (DO_PART)
             call sum_part(model%map, state%wrench, plan%hub(item), item, &
                state%part(:, item, round, at))
