@@ -12,9 +12,9 @@ module kj_joint_ahead
    public :: ahead_t, next_block, prefetch_part
 
    !> Parts that come before these: 3 and 3 of the frames, 6 of the rates, 6 of the work, 6 of the
-   !> wrenches, 3 of the ends
+   !> forces, 3 of the ends
    integer, parameter, public :: AHEAD_FRAME = 0, AHEAD_AXES = 3, AHEAD_RATE = 6, AHEAD_WORK = 12, &
-      AHEAD_WRENCH = 18, AHEAD_END = 24
+      AHEAD_FORCE = 18, AHEAD_END = 24
 
    !> A block to come
    type :: ahead_t
@@ -33,13 +33,12 @@ contains
    end function next_block
 
    !> Ask for a part
-   pure subroutine prefetch_part(ahead, part, batch, x, state, wrench)
+   pure subroutine prefetch_part(ahead, part, batch, x, state)
       type(ahead_t), intent(in) :: ahead
       integer, intent(in) :: part
       type(joint_batch_t), intent(in) :: batch
       real(wp), contiguous, intent(in) :: x(:, :)         !! (n_node, 3)
       type(joint_state_t), intent(in) :: state
-      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (N_WRENCH, all joints)
 
       integer :: k
 
@@ -57,14 +56,10 @@ contains
             if (batch%law(k) /= 0) call prefetch(from, to, batch%k(:, k))
          case (AHEAD_WORK + 1:AHEAD_WORK + NDOF)
             k = part - AHEAD_WORK
-            if (batch%law(k) == 0) return
-            call prefetch(from, to, state%f(:, k))
-            call prefetch(from, to, batch%c(:, k))
-         case (AHEAD_WRENCH + 1:AHEAD_WRENCH + 6)
-            k = part - AHEAD_WRENCH
-            call prefetch(1, size(wrench, 1), wrench(:, &
-               batch%first + from + ((k - 1)*(to - from + 1))/6: &
-               batch%first + from + (k*(to - from + 1))/6 - 1))
+            if (batch%law(k) /= 0) call prefetch(from, to, state%f(:, k))
+         case (AHEAD_FORCE + 1:AHEAD_FORCE + NDOF)
+            k = part - AHEAD_FORCE
+            if (batch%law(k) /= 0) call prefetch(from, to, batch%c(:, k))
          case (AHEAD_END + 1)
             call prefetch(from, to, batch%xl0)
             call prefetch(from, to, state%energy)

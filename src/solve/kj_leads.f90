@@ -93,8 +93,13 @@ contains
       integer :: n
 
       associate (lo => state%team%lead(1, piece), hi => state%team%lead(2, piece))
-         call gather_wrenches(model%map, state%wrench, state%plan%ready(:, 1), state%part, &
-            lo, hi, load%f, load%m, load%kn, load%kr)
+         if (state%ring) then
+            call gather_wrenches(state%near, state%wrench, state%plan%ready(:, 1), state%part, &
+               lo, hi, load%f, load%m, load%kn, load%kr)
+         else
+            call gather_wrenches(model%map, state%wrench, state%plan%ready(:, 1), state%part, &
+               lo, hi, load%f, load%m, load%kn, load%kr)
+         end if
          n = hi - lo + 1
       end associate
       load%kn(:n) = load%kn(:n) + EPS20

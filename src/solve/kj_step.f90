@@ -49,7 +49,8 @@ contains
       state%h1 = state%h2
       call ready_joints(model, state, sampling)
       call find_gravity(model, state)
-      if (is_loaded(model, state)) then
+      state%ring = .not. is_loaded(model, state)
+      if (.not. state%ring) then
          call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
          call in_pieces(gather, state%team%leads, model, state)
          call add_cloads(model, state)
@@ -106,6 +107,7 @@ contains
       logical, intent(in) :: sampling        !! keep the rates, too
 
       call ready_joints(model, state, sampling)
+      state%ring = .false.
       call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
       call in_pieces(gather, state%team%leads, model, state)
    end subroutine find_joint_forces
@@ -192,16 +194,24 @@ contains
       type(state_t), intent(inout) :: state
       integer, intent(in) :: task
 
-      integer :: b
+      integer :: b, column
 
       associate (item => state%plan%stage(1)%item(task), joint => state%team%joint)
          select case (state%plan%stage(1)%kind(task))
          case (DO_JOINTS)
             b = joint(1, item)
+            column = model%batch(b)%first
+            if (state%ring) column = state%column(item) - joint(2, item) + 1
             call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, &
-               state%sampling, joint(2, item), joint(3, item), state%joint(b), state%wrench)
+               state%sampling, joint(2, item), joint(3, item), column, state%joint(b), state%wrench)
          case (DO_PART)
-            call sum_part(model%map, state%wrench, state%plan%hub(item), item, state%part(:, item))
+            if (state%ring) then
+               call sum_part(state%near, state%wrench, state%plan%hub(item), item, &
+                  state%part(:, item))
+            else
+               call sum_part(model%map, state%wrench, state%plan%hub(item), item, &
+                  state%part(:, item))
+            end if
          end select
       end associate
    end subroutine do_joints_of
