@@ -4,6 +4,9 @@
 !>
 !> Tasks are those of kj_plan, step by step. Of the two stages the first is what each share can do
 !> alone, the second what lies between shares, in groups that do not see each other.
+!>
+!> Joints do not wait for a hub at rest, whose lead other threads may be writing: it is written with
+!> what it holds already, at once and never through another value (kj_c_hold, kj_c_body).
 module kj_wave
    use kj_kinds, only: wp
    use kj_sort, only: sorted_order
