@@ -10,7 +10,7 @@ module kj_islands
    implicit none
    private
 
-   public :: find_islands, element_leads, island_steps
+   public :: find_root, find_islands, element_leads, island_steps
 
 contains
 
@@ -167,7 +167,7 @@ contains
       parent(max(root_a, root_b)) = min(root_a, root_b)
    end subroutine tie
 
-   !> Root of a lead; halves the way there for the next time
+   !> Root of a lead, or of anything in trees of parents; halves the way there for the next time
    pure subroutine find_root(lead, parent, root)
       integer, intent(in) :: lead
       integer, intent(inout) :: parent(:)

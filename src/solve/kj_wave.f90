@@ -13,6 +13,7 @@ module kj_wave
    use kj_team, only: team_t
    use kj_assembly, only: lead_map_t
    use kj_plan, only: plan_t, stage_t, hubs_of_parts
+   use kj_islands, only: find_root
    use kj_task_graph, only: graph_t, new_graph
    implicit none
    private
@@ -108,19 +109,6 @@ contains
          order%group(id) = order%group(mine)
       end do
    end subroutine find_groups
-
-   !> The root of a tree, whose branches become shorter on the way
-   pure subroutine find_root(id, root, at)
-      integer, intent(in) :: id
-      integer, intent(inout) :: root(:)
-      integer, intent(out) :: at
-
-      at = id
-      do while (root(at) /= at)
-         root(at) = root(root(at))
-         at = root(at)
-      end do
-   end subroutine find_root
 
    !> Each group goes along the scene, and with each task as deep into later steps as it can
    pure subroutine order_stage(n_group, graph, order, stage)
