@@ -1,6 +1,6 @@
 !> HDF5 files, groups, links and attributes in the few forms that the history layout needs.
-!> Only this module, kj_h5_data, kj_h5_fixed, kj_h5_chunk, kj_h5_read and kj_h5_attributes use the
-!> HDF5 library.
+!> Only this module, kj_h5_data, kj_h5_fixed, kj_h5_chunk with kj_packer.c, kj_h5_read and
+!> kj_h5_attributes use the HDF5 library.
 !>
 !> Every procedure takes `error` inout and does nothing once it is set, so that a row of calls
 !> needs one test. What a procedure opens it closes, on errors too; a file is closed together

@@ -1,17 +1,26 @@
-/* All columns of the rows of a history, packed chunk by chunk: at once, or by a thread of its own
-   while the caller fills the other of two buffers. Everything that the thread touches lies in the
-   packer: whoever forgets to free it leaks it, but the thread reads nothing that is gone. */
-#define _POSIX_C_SOURCE 200809L
+/* All columns of the rows of a history, packed and written chunk by chunk: at once, or by a thread of
+   its own while the caller fills the other of two buffers. Where HDF5 may not be called by two threads
+   the thread only packs, and the caller writes. Everything that the thread touches lies in the packer:
+   whoever forgets to free it leaks it, but the thread reads nothing that is gone. */
+#define _DEFAULT_SOURCE
 #include <pthread.h>
 #include <signal.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
+#include <sys/mman.h>
+#include <hdf5.h>
 #include "kj_chunk.h"
+
+enum { HUGE_PAGE = 2*1024*1024 };
 
 /* Values of a row that go to one chunk */
 typedef struct {
-   int real, size;                           /* stored: as a real, bytes */
+   int64_t series;                           /* the dataset */
+   size_t entity;                            /* the first of the chunk, from 0 */
+   size_t dims[2];                           /* of a row of the dataset, as many as it has */
    size_t first, n, n_full;                  /* from 0; values that there are, that a chunk has */
+   int real, size;                           /* stored: as a real, bytes */
 } kj_column;
 
 typedef struct {
@@ -24,12 +33,33 @@ typedef struct {
    size_t n_work;                            /* bytes to work with, for each thread */
    double *rows[2];                          /* the buffers */
    int filling;                              /* which of them */
+   int full;                                 /* the other is full, and not known to be written */
    int running;                              /* there is a thread */
+   int writes;                               /* it writes, too */
+   size_t before;                            /* rows before the full buffer */
+   herr_t status;                            /* of writing it */
    pthread_t thread;
 } kj_packer;
 
-/* Wait until the columns are packed */
-void kj_packer_end(kj_packer *p)
+/* Room for rows, on huge pages where the system has them: a row is written once in a while, from end
+   to end, and finding its pages one by one would take a third of the time of sampling. NULL when there
+   is no memory. */
+static double *new_buffer(size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+   void *buffer;
+
+   if (bytes >= HUGE_PAGE) {
+      bytes = (bytes + HUGE_PAGE - 1)/HUGE_PAGE*HUGE_PAGE;
+      if (posix_memalign(&buffer, HUGE_PAGE, bytes) != 0) return NULL;
+      madvise(buffer, bytes, MADV_HUGEPAGE);
+      return buffer;
+   }
+#endif
+   return malloc(bytes + 1);
+}
+
+static void join(kj_packer *p)
 {
    if (p->running) pthread_join(p->thread, NULL);
    p->running = 0;
@@ -38,7 +68,7 @@ void kj_packer_end(kj_packer *p)
 void kj_packer_free(kj_packer *p)
 {
    if (!p) return;
-   kj_packer_end(p);
+   join(p);
    free(p->column);
    free(p->packed);
    free(p->length);
@@ -56,8 +86,10 @@ kj_packer *kj_packer_new(int exact, size_t n_value, size_t rows_full, size_t gro
 {
    kj_packer *p = calloc(1, sizeof *p);
    size_t i, most = 0, used = 0, room = 0, held = rows_full > 1 ? n_value*rows_full : 0;
+   hbool_t safe = 0;
 
    if (!p) return NULL;
+   p->writes = H5is_library_threadsafe(&safe) >= 0 && safe;
    p->exact = exact;
    p->n_value = n_value;
    p->rows_full = rows_full;
@@ -65,8 +97,8 @@ kj_packer *kj_packer_new(int exact, size_t n_value, size_t rows_full, size_t gro
    p->column = calloc(n_column + 1, sizeof *p->column);
    p->packed = calloc(n_column + 1, sizeof *p->packed);
    p->length = calloc(n_column + 1, sizeof *p->length);
-   p->rows[0] = malloc(held*sizeof(double) + 1);
-   p->rows[1] = malloc(held*sizeof(double) + 1);
+   p->rows[0] = new_buffer(held*sizeof(double));
+   p->rows[1] = new_buffer(held*sizeof(double));
    for (i = 0; i < n_column; i++) {
       size_t bytes = column[i].n_full*rows_full*(size_t)column[i].size;
       if (i % group == 0) used = 0;
@@ -106,35 +138,65 @@ void kj_packer_column(kj_packer *p, size_t i, size_t thread, size_t n, const dou
       rows + c->first, p->n_value, p->work + thread*p->n_work, p->packed[i]);
 }
 
-/* Column `i` as it was packed last */
-const unsigned char *kj_packer_packed(const kj_packer *p, size_t i, size_t *length)
+/* Write column `i` as it was packed last, of `n` rows after `before`; its first chunk makes the dataset
+   longer. Negative when it fails. */
+int kj_packer_write(const kj_packer *p, size_t i, size_t before, size_t n)
 {
-   *length = p->length[i];
-   return p->packed[i];
+   const kj_column *c = &p->column[i];
+   hsize_t extent[3] = {before + n, c->dims[0], c->dims[1]}, offset[3] = {before, c->entity, 0};
+   herr_t status = 0;
+
+   if (p->length[i] == 0) return -1;
+   H5E_BEGIN_TRY {                           /* silent in each thread */
+      if (c->entity == 0) status = H5Dset_extent(c->series, extent);
+      if (status >= 0) status = H5Dwrite_chunk(c->series, H5P_DEFAULT, 0, offset, p->length[i],
+         p->packed[i]);
+   } H5E_END_TRY
+   return status;
 }
 
-/* Pack the buffer that is not being filled */
+/* Pack the buffer that is full, and write it if this may be done here */
 static void *pack_full(void *packer)
 {
    kj_packer *p = packer;
    size_t i;
 
-   for (i = 0; i < p->n_column; i++)
+   p->status = 0;
+   for (i = 0; i < p->n_column; i++) {
       kj_packer_column(p, i, 0, p->rows_full, p->rows[!p->filling]);
+      if (p->writes && p->status >= 0) p->status = kj_packer_write(p, i, p->before, p->rows_full);
+   }
+   if (p->status < 0) H5Eclear2(H5E_DEFAULT);     /* or what HDF5 notes for this thread leaks */
    return NULL;
 }
 
-/* The buffer is full: pack it in the background, fill the other. kj_packer_end came before.
+/* The buffer is full, of rows after `before`: pack it in the background, fill the other.
+   kj_packer_end came before.
    The thread takes no signals: they are for threads of the host. Where none can be made, the caller
    packs. */
-void kj_packer_begin(kj_packer *p)
+void kj_packer_begin(kj_packer *p, size_t before)
 {
-   sigset_t all, before;
+   sigset_t all, signals;
 
    p->filling = !p->filling;
+   p->full = 1;
+   p->before = before;
    sigfillset(&all);
-   pthread_sigmask(SIG_SETMASK, &all, &before);
+   pthread_sigmask(SIG_SETMASK, &all, &signals);
    p->running = pthread_create(&p->thread, NULL, pack_full, p) == 0;
-   pthread_sigmask(SIG_SETMASK, &before, NULL);
+   pthread_sigmask(SIG_SETMASK, &signals, NULL);
    if (!p->running) pack_full(p);
+}
+
+/* Wait until the full buffer is packed and written. Negative when it could not be. */
+int kj_packer_end(kj_packer *p)
+{
+   size_t i;
+
+   if (!p->full) return 0;
+   join(p);
+   p->full = 0;
+   for (i = 0; i < p->n_column && !p->writes && p->status >= 0; i++)
+      p->status = kj_packer_write(p, i, p->before, p->rows_full);
+   return p->status;
 }

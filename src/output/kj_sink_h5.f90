@@ -1,6 +1,6 @@
 !> The sink that writes a history file. Rows are held until a chunk is full; a thread in the
-!> background packs it, and it is written when the next one is full. At least every FLUSH_SECONDS
-!> what is there becomes readable by others. HDF5 is called by the caller's thread alone.
+!> background packs and writes it. At least every FLUSH_SECONDS what is there becomes readable by
+!> others. Where HDF5 is not thread-safe the caller writes, when the next chunk is full.
 !>
 !> The file grows under a name of its own beside `path` and takes that name at the first flush, so
 !> that an older history is lost only to a run that got going.
@@ -18,7 +18,7 @@ module kj_sink_h5
       create_group, put_text, put_number
    use kj_h5_layout, only: write_layout
    use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
-      write_background, write_buffer, write_rows
+      finish_background, write_buffer, write_rows
    implicit none
    private
 
@@ -38,7 +38,8 @@ module kj_sink_h5
       integer, private :: n_held = 0                           !! rows in the buffer
       logical, private :: failed = .false.                     !! a row could not be written
       logical, private :: named = .false.                      !! the file has its final name
-      real(wp), private :: started = 0.0_wp, flushed = 0.0_wp, last_put = 0.0_wp  !! wall clock [s]
+      ! wall clock [s]; rows put before `flushed` are readable by others
+      real(wp), private :: started = 0.0_wp, flushed = 0.0_wp, last_put = 0.0_wp, handed = 0.0_wp
    contains
       procedure :: open => open_h5
       procedure :: put => put_h5
@@ -50,7 +51,7 @@ module kj_sink_h5
 
    integer, parameter :: MOST_CHUNK_ROWS = 1024, LEAST_CHUNK_ROWS = 16   !! powers of two
    integer, parameter :: MOST_BUFFER_BYTES = 4*1024*1024
-   real(wp), parameter :: FLUSH_SECONDS = 2.0_wp
+   real(wp), parameter :: FLUSH_SECONDS = 2.0_wp, FAST_CHUNK = 0.1_wp*FLUSH_SECONDS
    character(len=*), parameter :: GROWING = '.part'    !! ends the name of a file that is new
 
 contains
@@ -72,6 +73,7 @@ contains
          call fail(error, ERR_FILE, '"'//self%path//'" is no name for a history file')
          return
       end if
+      call free_packer(self%packer)
       if (self%file >= 0) call close_file(self%file, closing)   ! a run that was given up
       call start_hdf5(error)
       call create_file(self%path//GROWING, self%file, error)
@@ -90,6 +92,7 @@ contains
       self%started = wall_clock()
       self%flushed = self%started
       self%last_put = self%started
+      self%handed = self%started
 
       allocate (series(size(history%variable)))
       call write_layout(self%file, history, self%n_chunk, series, error)
@@ -206,7 +209,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (self%file < 0) return
-      call write_packing(self, error)
+      call finish_packing(self, error)
       call write_held(self, error)
       call make_readable(self, error)
    end subroutine flush_h5
@@ -221,21 +224,34 @@ contains
       self%flushed = wall_clock()
    end subroutine make_readable
 
-   !> The buffer is full: write the chunk before, leave this one to the background
+   !> The buffer is full: when the chunk before is written, leave this one to the background. Chunks
+   !> that come fast are flushed here, which spares writing parts of them; the rows of this one, the
+   !> first of which came when the chunk before was full, wait for the next time.
    subroutine hand_over(self, error)
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
-      call write_packing(self, error)
+      real(wp) :: now, before
+
+      call finish_packing(self, error)
       if (self%failed) return
-      call pack_in_background(self%packer)
+      if (.not. self%reproducible) then
+         now = wall_clock()
+         before = self%handed
+         self%handed = now
+         if (now - before < FAST_CHUNK .and. now - self%flushed > FLUSH_SECONDS - 2*FAST_CHUNK) then
+            call make_readable(self, error)
+            self%flushed = before
+         end if
+      end if
+      call pack_in_background(self%packer, self%n_written)
       self%n_packing = self%n_held
       self%n_held = 0
    end subroutine hand_over
 
-   !> Write the chunk that the background packs, time last: a reader finds at least as many rows of
-   !> the rest. Reproducible files are flushed here, by rows instead of by the clock.
-   subroutine write_packing(self, error)
+   !> Let the background finish its chunk, time last: a reader finds at least as many rows of the
+   !> rest. Reproducible files are flushed here, by rows instead of by the clock.
+   subroutine finish_packing(self, error)
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
@@ -244,10 +260,10 @@ contains
       n = self%n_packing
       self%n_packing = 0
       if (n == 0) return
-      call write_background(self%packer, self%n_written, error)
+      call finish_background(self%packer, self%n_written, error)
       call note_written(self, n, error)
       if (self%reproducible) call make_readable(self, error)
-   end subroutine write_packing
+   end subroutine finish_packing
 
    !> Write the rows in the buffer, part of a chunk: they stay there and are written again with the
    !> rest of it
@@ -310,7 +326,7 @@ contains
 
       if (self%file < 0) return
       empty = self%n_written + self%n_packing + self%n_held == 0
-      call write_packing(self, error)
+      call finish_packing(self, error)
       call write_held(self, error)
       call free_packer(self%packer)
       if (.not. self%reproducible) then
