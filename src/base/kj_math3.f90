@@ -4,8 +4,8 @@ module kj_math3
    implicit none
    private
 
-   public :: cross, unit, rotation, rotation_vector, to_quaternion, inverse3, turn_coefficients, &
-      angles, turn_between
+   public :: cross, unit, rotation, rotation_vector, to_quaternion, to_quaternions, inverse3, &
+      turn_coefficients, angles
 
    real(wp), parameter, public :: IDENTITY(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, &
       0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
@@ -123,29 +123,49 @@ contains
       end do
    end function rotation
 
-   !> Unit quaternion (w, x, y, z), w >= 0, of a rotation matrix (Shepperd's choice of pivot)
+   !> Unit quaternion (w, x, y, z), w >= 0, of a rotation matrix
    pure function to_quaternion(r) result(q)
       real(wp), intent(in) :: r(3, 3)
       real(wp) :: q(4)
 
-      real(wp) :: trace
-
-      trace = r(1, 1) + r(2, 2) + r(3, 3)
-      if (trace >= max(r(1, 1), r(2, 2), r(3, 3))) then
-         q = [1.0_wp + trace, r(3, 2) - r(2, 3), r(1, 3) - r(3, 1), r(2, 1) - r(1, 2)]
-      else if (r(1, 1) >= max(r(2, 2), r(3, 3))) then
-         q = [r(3, 2) - r(2, 3), 1.0_wp + 2.0_wp*r(1, 1) - trace, r(1, 2) + r(2, 1), &
-            r(1, 3) + r(3, 1)]
-      else if (r(2, 2) >= r(3, 3)) then
-         q = [r(1, 3) - r(3, 1), r(1, 2) + r(2, 1), 1.0_wp + 2.0_wp*r(2, 2) - trace, &
-            r(2, 3) + r(3, 2)]
-      else
-         q = [r(2, 1) - r(1, 2), r(1, 3) + r(3, 1), r(2, 3) + r(3, 2), &
-            1.0_wp + 2.0_wp*r(3, 3) - trace]
-      end if
-      q = q/norm2(q)
-      if (q(1) < 0.0_wp) q = -q
+      call to_quaternions(1, r, q)
    end function to_quaternion
+
+   !> The same of a block of rotation matrices without a branch: of the four multiples of each
+   !> quaternion that a matrix has, that of the largest component (Shepperd)
+   pure subroutine to_quaternions(n, r, q)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: r(n, 9)           !! their columns
+      real(wp), intent(out) :: q(n, 4)
+
+      real(wp) :: trace, wx, wy, wz, xy, xz, yz, scale
+      logical :: w, x, y
+      integer :: i
+
+      !$omp simd private(trace, wx, wy, wz, xy, xz, yz, scale, w, x, y)
+      do i = 1, n
+         trace = r(i, 1) + r(i, 5) + r(i, 9)
+         wx = r(i, 6) - r(i, 8)
+         wy = r(i, 7) - r(i, 3)
+         wz = r(i, 2) - r(i, 4)
+         xy = r(i, 2) + r(i, 4)
+         xz = r(i, 3) + r(i, 7)
+         yz = r(i, 6) + r(i, 8)
+         w = trace >= max(r(i, 1), r(i, 5), r(i, 9))
+         x = r(i, 1) >= max(r(i, 5), r(i, 9))
+         y = r(i, 5) >= r(i, 9)
+         q(i, 1) = merge(1.0_wp + trace, merge(wx, merge(wy, wz, y), x), w)
+         q(i, 2) = merge(wx, merge(1.0_wp + 2.0_wp*r(i, 1) - trace, merge(xy, xz, y), x), w)
+         q(i, 3) = merge(wy, merge(xy, merge(1.0_wp + 2.0_wp*r(i, 5) - trace, yz, y), x), w)
+         q(i, 4) = merge(wz, merge(xz, merge(yz, 1.0_wp + 2.0_wp*r(i, 9) - trace, y), x), w)
+         scale = sqrt(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
+         scale = 1.0_wp/merge(-scale, scale, q(i, 1) < 0.0_wp)
+         q(i, 1) = scale*q(i, 1)
+         q(i, 2) = scale*q(i, 2)
+         q(i, 3) = scale*q(i, 3)
+         q(i, 4) = scale*q(i, 4)
+      end do
+   end subroutine to_quaternions
 
    !> Log of a rotation matrix: axis times angle, angle in [0, pi]
    pure function rotation_vector(r) result(phi)
@@ -159,20 +179,6 @@ contains
       phi = 2.0_wp*q(2:4)
       if (s > 1.0e-8_wp) phi = 2.0_wp*atan2(s, q(1))/s*q(2:4)
    end function rotation_vector
-
-   !> Rotation that takes one triad of 9 columns to another
-   pure function turn_between(from, to) result(r)
-      real(wp), intent(in) :: from(9), to(9)
-      real(wp) :: r(3, 3)
-
-      integer :: i, j
-
-      do j = 1, 3
-         do i = 1, 3
-            r(i, j) = to(i)*from(j) + to(i + 3)*from(j + 3) + to(i + 6)*from(j + 6)
-         end do
-      end do
-   end function turn_between
 
    !> Inverse of a regular 3x3 matrix by cofactors; singular is false with a zero determinant
    pure subroutine inverse3(a, b, regular)

@@ -2,13 +2,14 @@
 module kj_sample_joint
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
-   use kj_math3, only: cross, to_quaternion
+   use kj_math3, only: to_quaternions
    use kj_curve, only: curve_integral
+   use kj_joint_frame, only: BLOCK
    use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, joint_state_t, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
    use kj_model, only: model_t
    use kj_state, only: state_t
-   use kj_take, only: roster_t, take
+   use kj_take, only: roster_t, take, take_block
    use kj_channels, only: CH_J_FORCE, CH_J_MOMENT, CH_J_DISP, CH_J_ROT, CH_J_VEL, CH_J_ANGVEL, &
       CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, CH_J_FRAME, &
       CH_J_ORTHO, CH_J_STATE, CH_J_FRICTION, CH_J_GAP, CH_J_GAP_ROT, CH_S_FORCE, CH_S_MOMENT, &
@@ -91,8 +92,8 @@ contains
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
-      real(wp) :: k, u(size(roster%place))
-      integer :: dof, i, j
+      real(wp) :: u(size(roster%place))
+      integer :: dof, i, j, part
 
       u = 0.0_wp
       if (b%limited) u = s%stored(roster%place)
@@ -103,13 +104,16 @@ contains
                u(i) = u(i) + b%k(j, dof)*curve_integral(model%curves, b%k_curve(j, dof), 0.0_wp, &
                   s%q(j, dof))
             end do
+         else if (b%limited .and. joint_types(b%row)%free(dof) == 0) then
+            part = merge(1, 2, dof <= 3)
+            do i = 1, size(u)
+               j = roster%place(i)
+               u(i) = u(i) + 0.5_wp*s%k_block(j, part)*s%q(j, dof)**2
+            end do
          else
             do i = 1, size(u)
                j = roster%place(i)
-               k = b%k(j, dof)
-               if (b%limited .and. joint_types(b%row)%free(dof) == 0) &
-                  k = s%k_block(j, merge(1, 2, dof <= 3))
-               u(i) = u(i) + 0.5_wp*k*s%q(j, dof)**2
+               u(i) = u(i) + 0.5_wp*b%k(j, dof)*s%q(j, dof)**2
             end do
          end if
       end do
@@ -126,8 +130,9 @@ contains
       integer :: i
 
       do i = 1, size(roster%place)
-         associate (node => b%node(roster%place(i), :))
-            y(1, roster%entity(i)) = norm2(x(node(2), :) - x(node(1), :))
+         associate (n1 => b%node(roster%place(i), 1), n2 => b%node(roster%place(i), 2))
+            y(1, roster%entity(i)) = sqrt((x(n2, 1) - x(n1, 1))**2 + (x(n2, 2) - x(n1, 2))**2 + &
+               (x(n2, 3) - x(n1, 3))**2)
          end associate
       end do
    end subroutine lengths
@@ -139,14 +144,13 @@ contains
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
-      real(wp) :: x(3)
-      integer :: i, k
+      integer :: i
 
       do i = 1, size(roster%place)
-         do k = 1, 3
-            x(k) = merge(q(roster%place(i), k), 0.0_wp, free(k) == 0)
-         end do
-         y(1, roster%entity(i)) = norm2(x)
+         associate (j => roster%place(i))
+            y(1, roster%entity(i)) = sqrt((1 - free(1))*q(j, 1)**2 + (1 - free(2))*q(j, 2)**2 + &
+               (1 - free(3))*q(j, 3)**2)
+         end associate
       end do
    end subroutine violations
 
@@ -158,15 +162,22 @@ contains
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
-      real(wp) :: r(3, 3)
-      integer :: i, k
+      real(wp) :: r(BLOCK, 9), q(BLOCK, 4)
+      integer :: i, n, first
 
-      do i = 1, size(roster%place)
-         do k = 1, 3
-            r(:, k) = e(roster%place(i), 3*k - 2:3*k)
+      r = 0.0_wp
+      do first = 1, size(roster%place), BLOCK
+         n = min(BLOCK, size(roster%place) - first + 1)
+         call take_block(e, roster%place(first:first + n - 1), r)
+         if (frame == FRAME_CROSS) then
+            r(:, 7) = r(:, 2)*r(:, 6) - r(:, 3)*r(:, 5)
+            r(:, 8) = r(:, 3)*r(:, 4) - r(:, 1)*r(:, 6)
+            r(:, 9) = r(:, 1)*r(:, 5) - r(:, 2)*r(:, 4)
+         end if
+         call to_quaternions(BLOCK, r, q)
+         do i = 1, n
+            y(:, roster%entity(first + i - 1)) = q(i, :)
          end do
-         if (frame == FRAME_CROSS) r(:, 3) = cross(r(:, 1), r(:, 2))
-         y(:, roster%entity(i)) = to_quaternion(r)
       end do
    end subroutine frames
 
@@ -176,12 +187,18 @@ contains
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
-      integer :: i, j
+      real(wp) :: most
+      integer :: i, j, k, l
 
       do i = 1, size(roster%place)
          j = roster%place(i)
-         y(1, roster%entity(i)) = maxval(abs(asin([dot_product(e(j, 1:3), e(j, 4:6)), &
-            dot_product(e(j, 4:6), e(j, 7:9)), dot_product(e(j, 7:9), e(j, 1:3))])))
+         most = 0.0_wp
+         do k = 0, 6, 3
+            l = modulo(k + 3, 9)
+            most = max(most, abs(e(j, k + 1)*e(j, l + 1) + e(j, k + 2)*e(j, l + 2) + &
+               e(j, k + 3)*e(j, l + 3)))
+         end do
+         y(1, roster%entity(i)) = asin(min(1.0_wp, most))
       end do
    end subroutine losses_of_orthogonality
 

@@ -5,7 +5,7 @@ module kj_take
    implicit none
    private
 
-   public :: roster_t, new_roster, new_rosters, take
+   public :: roster_t, new_roster, new_rosters, take, take_block
 
    !> Entities of a history whose values stand in the same arrays
    type :: roster_t
@@ -105,5 +105,20 @@ contains
          y(1, roster%entity(i)) = from(roster%place(i))
       end do
    end subroutine take_column
+
+   !> Columns of some places, to work on them together; the rest of the block stays
+   pure subroutine take_block(from, place, block)
+      real(wp), contiguous, intent(in) :: from(:, :)     !! (places, components)
+      integer, contiguous, intent(in) :: place(:)
+      real(wp), contiguous, intent(inout) :: block(:, :)    !! (places at a time, components)
+
+      integer :: c, i
+
+      do c = 1, size(block, 2)
+         do i = 1, size(place)
+            block(i, c) = from(place(i), c)
+         end do
+      end do
+   end subroutine take_block
 
 end module kj_take

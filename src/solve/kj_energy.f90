@@ -2,7 +2,7 @@
 !> Source: legacy_scheme.md 5.
 module kj_energy
    use kj_kinds, only: wp
-   use kj_math3, only: cross
+   use kj_joint_frame, only: BLOCK
    use kj_model, only: model_t, load_t
    use kj_state, only: state_t
    use kj_skew, only: axis_of
@@ -28,20 +28,22 @@ contains
       type(state_t), intent(in) :: state
       type(balance_t) :: b
 
-      real(wp) :: v(3), w(3), spin(3)
-      integer :: i, k
+      real(wp) :: part(BLOCK, 9), total(9)
+      integer :: i, k, n, before
 
-      do i = 1, model%n_lead
-         v = state%v(i, :) + 0.5_wp*state%h1*state%a(i, :)
-         w = state%world%w(i, :) + 0.5_wp*state%h1*state%al(i, :)
-         spin = spin_of(model, state, i, w)
-         b%kinetic_trans = b%kinetic_trans + 0.5_wp*state%mass(i)*dot_product(v, v)
-         b%kinetic_rot = b%kinetic_rot + 0.5_wp*dot_product(w, spin)
-         b%momentum = b%momentum + state%mass(i)*v
-         b%angular_momentum = b%angular_momentum + spin + &
-            state%mass(i)*cross(state%world%x(i, :), v)
-         b%mass = b%mass + state%mass(i)
+      total = 0.0_wp
+      do before = 0, model%n_lead - 1, BLOCK
+         n = min(BLOCK, model%n_lead - before)
+         call parts_of(model, state, before, n, part)
+         do i = 1, n
+            total = total + part(i, :)
+         end do
       end do
+      b%kinetic_trans = total(1)
+      b%kinetic_rot = total(2)
+      b%momentum = total(3:5)
+      b%angular_momentum = total(6:8)
+      b%mass = total(9)
       do k = 1, size(state%joint)
          b%internal = b%internal + sum(state%joint(k)%energy)
       end do
@@ -50,25 +52,69 @@ contains
       end do
    end function balance_of
 
-   !> Spin J w of a lead about itself
-   pure function spin_of(model, state, lead, w) result(l)
+   !> What each of a block of leads adds: both kinetic energies, momentum, angular momentum, mass
+   pure subroutine parts_of(model, state, before, n, part)
       type(model_t), intent(in) :: model
       type(state_t), intent(in) :: state
-      integer, intent(in) :: lead
-      real(wp), intent(in) :: w(3)
-      real(wp) :: l(3)
+      integer, intent(in) :: before, n           !! leads before the block, in it
+      real(wp), intent(out) :: part(BLOCK, 9)
+
+      real(wp) :: v(BLOCK, 3), w(BLOCK, 3), l(BLOCK, 3), half
+      integer :: i, j, k
+
+      half = 0.5_wp*state%h1
+      do k = 1, 3
+         do i = 1, n
+            v(i, k) = state%v(before + i, k) + half*state%a(before + i, k)
+            w(i, k) = state%world%w(before + i, k) + half*state%al(before + i, k)
+         end do
+      end do
+      call spins_of(model, state, before, n, w, l)
+      do i = 1, n
+         j = before + i
+         associate (m => state%mass(j), x => state%world%x)
+            part(i, 1) = 0.5_wp*m*(v(i, 1)**2 + v(i, 2)**2 + v(i, 3)**2)
+            part(i, 2) = 0.5_wp*(w(i, 1)*l(i, 1) + w(i, 2)*l(i, 2) + w(i, 3)*l(i, 3))
+            part(i, 3) = m*v(i, 1)
+            part(i, 4) = m*v(i, 2)
+            part(i, 5) = m*v(i, 3)
+            part(i, 6) = l(i, 1) + m*(x(j, 2)*v(i, 3) - x(j, 3)*v(i, 2))
+            part(i, 7) = l(i, 2) + m*(x(j, 3)*v(i, 1) - x(j, 1)*v(i, 3))
+            part(i, 8) = l(i, 3) + m*(x(j, 1)*v(i, 2) - x(j, 2)*v(i, 1))
+            part(i, 9) = m
+         end associate
+      end do
+   end subroutine parts_of
+
+   !> Spins J w of leads about themselves
+   pure subroutine spins_of(model, state, before, n, w, l)
+      type(model_t), intent(in) :: model
+      type(state_t), intent(in) :: state
+      integer, intent(in) :: before, n           !! leads before the block, in it
+      real(wp), intent(in) :: w(BLOCK, 3)
+      real(wp), intent(out) :: l(BLOCK, 3)
 
       real(wp) :: part
-      integer :: k
+      integer :: i, j, k, n_body
 
-      l = state%inertia(lead)*w
-      if (lead > model%n_body) return
-      l = 0.0_wp
+      n_body = max(0, min(n, model%n_body - before))
+      l(:n_body, :) = 0.0_wp
       do k = 1, 3
-         part = state%principal(lead, k)*dot_product(w, state%p(lead, 3*k - 2:3*k))
-         l = l + part*state%p(lead, 3*k - 2:3*k)
+         do i = 1, n_body
+            j = before + i
+            associate (p => state%p)
+               part = state%principal(j, k)*(w(i, 1)*p(j, 3*k - 2) + w(i, 2)*p(j, 3*k - 1) + &
+                  w(i, 3)*p(j, 3*k))
+               l(i, 1) = l(i, 1) + part*p(j, 3*k - 2)
+               l(i, 2) = l(i, 2) + part*p(j, 3*k - 1)
+               l(i, 3) = l(i, 3) + part*p(j, 3*k)
+            end associate
+         end do
+         do i = n_body + 1, n
+            l(i, k) = state%inertia(before + i)*w(i, k)
+         end do
       end do
-   end function spin_of
+   end subroutine spins_of
 
    !> Potential -m g.d of a gravity card; 0 for one that changes with time or turns
    pure real(wp) function potential_of(model, state, load) result(u)
