@@ -1,13 +1,13 @@
 !> Consistent state -> the arrays that sampling reads, all at time t.
 module kj_c_publish
    use kj_kinds, only: wp
-   use kj_math3, only: cross, rotation, rotation_vector
+   use kj_math3, only: cross, rotation_vector
    use kj_model, only: model_t
    use kj_skew, only: skew_axes
    use kj_state, only: state_t, OWNER_NONE, OWNER_JOINT
    use kj_joint_batch, only: joint_state_t
    use kj_c_batch, only: c_batch_t, c_joint_t, frame_of, CHART_UNIVERSAL
-   use kj_joint_frame, only: BLOCK
+   use kj_joint_frame, only: BLOCK, turn_frames
    use kj_c_chart, only: quaternion_frame
    use kj_c_matrix, only: joint_rates
    use kj_c_state, only: c_model_t, c_state_t
@@ -77,7 +77,6 @@ contains
       associate (n => model%n_lead)
          state%world%x(:n, :) = cs%poses%x
          state%world%w = cs%poses%w
-         state%world%skew = cs%skew
          state%v(:n, :) = cs%v
          state%d(:n, :) = cs%poses%d
          state%f = cs%f - cs%own_f
@@ -287,43 +286,40 @@ contains
       end do
    end function skewness
 
-   !> Components of joints that need no frame, from the frame of body 1 to the mean frame
+   !> Components of joints that need no frame, from the frame of body 1 to the mean frame, which is
+   !> turned by half the rotation between the two; components turn the other way
    pure subroutine show_in_mean_frame(plain, e, q, f, rate)
       logical, intent(in) :: plain(:)            !! those joints
       real(wp), intent(inout) :: e(:, :), q(:, :), f(:, :), rate(:, :)   !! (n, 9), (n, 6)
 
-      real(wp) :: half(3, 3), axes(3, 3), turn(3)
-      integer :: j, k
+      real(wp), dimension(BLOCK, 9) :: frame, own
+      real(wp) :: turn(BLOCK, 3), phi(BLOCK, 3)
+      integer :: from, to, n, k
 
-      do j = 1, size(plain)
-         if (.not. plain(j)) cycle
-         turn = 0.5_wp*q(j, 4:6)
-         half = rotation(turn)
+      do from = 1, size(plain), BLOCK
+         n = min(BLOCK, size(plain) - from + 1)
+         to = from + n - 1
+         if (.not. any(plain(from:to))) cycle
+         frame(:n, :) = e(from:to, :)
          do k = 1, 3
-            axes(:, k) = e(j, 3*k - 2:3*k)
+            own(:n, k) = q(from:to, k)
+            own(:n, 3 + k) = f(from:to, k)
+            own(:n, 6 + k) = rate(from:to, k)
+            turn(:n, k) = merge(0.5_wp*q(from:to, 3 + k), 0.0_wp, plain(from:to))
          end do
-         axes = matmul(axes, half)
          do k = 1, 3
-            e(j, 3*k - 2:3*k) = axes(:, k)
+            phi(:n, k) = turn(:n, 1)*frame(:n, k) + turn(:n, 2)*frame(:n, 3 + k) + &
+               turn(:n, 3)*frame(:n, 6 + k)
          end do
-         call turn_row(half, q(j, 1), q(j, 2), q(j, 3))
-         call turn_row(half, f(j, 1), f(j, 2), f(j, 3))
-         call turn_row(half, rate(j, 1), rate(j, 2), rate(j, 3))
+         call turn_frames(n, phi, frame)
+         turn(:n, :) = -turn(:n, :)
+         call turn_frames(n, turn, own)
+         e(from:to, :) = frame(:n, :)
+         q(from:to, 1:3) = own(:n, 1:3)
+         f(from:to, 1:3) = own(:n, 4:6)
+         rate(from:to, 1:3) = own(:n, 7:9)
       end do
    end subroutine show_in_mean_frame
-
-   !> x = x r, a row vector
-   pure subroutine turn_row(r, x1, x2, x3)
-      real(wp), intent(in) :: r(3, 3)
-      real(wp), intent(inout) :: x1, x2, x3
-
-      real(wp) :: y(3)
-
-      y = x1*r(1, :) + x2*r(2, :) + x3*r(3, :)
-      x1 = y(1)
-      x2 = y(2)
-      x3 = y(3)
-   end subroutine turn_row
 
    !> The largest loss of orthogonality of all samples, and whose it is
    subroutine note_loosest(model, state)
