@@ -5,6 +5,7 @@ submodule (kjoint) kjoint_run
    use kj_model, only: STOP_BELOW
    use kj_legacy_check, only: warn_large_turn
    use kj_state, only: new_state, OWNER_JOINT
+   use kj_pages, only: place_state, place_c_state
    use kj_step, only: find_accelerations, advance
    use kj_energy, only: balance_t, balance_of
    use kj_sample, only: sample_row
@@ -35,6 +36,7 @@ contains
       end if
       sim%started = .false.
       call new_state(sim%model, sim%state)
+      call place_state(sim%model, sim%state)
       call sink%open(sim%history, error)
       if (allocated(error)) return
       clock = wall_clock()
@@ -187,6 +189,7 @@ contains
       call start_scene(sim%model, sim%options%integrator == 'rkmk4', sim%c_model, sim%c_state, &
          error)
       if (allocated(error)) return
+      call place_c_state(sim%model, sim%c_model, sim%c_state)
       sim%march%integrator = SPLIT2
       if (sim%options%integrator == 'liemid') sim%march%integrator = LIEMID
       if (sim%options%integrator == 'rkmk4') sim%march%integrator = RKMK4

@@ -23,6 +23,7 @@ contains
       end if
       sim%started = .false.
       call new_state(sim%model, sim%state)
+      call place_state(sim%model, sim%state)
       if (sim%legacy) then
          call find_accelerations(sim%model, sim%state, .true., error)
          if (.not. allocated(error)) call start_energy(sim)

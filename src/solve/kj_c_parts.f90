@@ -14,6 +14,7 @@ module kj_c_parts
    use kj_cut_model, only: cut_t, cut_model
    use kj_c_state, only: c_model_t, c_state_t
    use kj_c_build, only: build_c_model, new_c_state
+   use kj_pages, only: place_c_state
    use kj_c_contact, only: step_factor
    use kj_c_advance, only: march_t, start_march, march
    implicit none
@@ -155,6 +156,7 @@ contains
          end associate
       end do
       call new_c_state(part%cut%model, part%c, part%state)
+      call place_c_state(part%cut%model, part%c, part%state)
       part%march%integrator = whole%integrator
       part%march%nodal = whole%nodal
       part%march%factor = step_factor(part%cut%model)

@@ -1,0 +1,37 @@
+/* Arrays on huge pages; in C because Fortran cannot ask the system. */
+#define _DEFAULT_SOURCE
+#include <errno.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/mman.h>
+
+#define HUGE_PAGE ((size_t)2*1024*1024)
+
+#if defined(__linux__) && !defined(MADV_COLLAPSE)
+#define MADV_COLLAPSE 25                     /* Linux 6.1 */
+#endif
+
+/* Put what lies within `bytes` from `at`, and what shares a huge page with it, on huge pages now, as far
+   as the system can: pages that are not all there, or not in one piece, stay as they are. */
+static void collapse(const void *at, size_t bytes)
+{
+#ifdef MADV_COLLAPSE
+   uintptr_t page = (uintptr_t)at/HUGE_PAGE*HUGE_PAGE, end = (uintptr_t)at + bytes;
+
+   for (; page < end; page += HUGE_PAGE)
+      if (madvise((void *)page, HUGE_PAGE, MADV_COLLAPSE) != 0 && errno == EAGAIN) return;
+#else
+   (void)at;
+   (void)bytes;
+#endif
+}
+
+void kj_huge_reals(const double *array, size_t n)
+{
+   collapse(array, n*sizeof *array);
+}
+
+void kj_huge_integers(const int *array, size_t n)
+{
+   collapse(array, n*sizeof *array);
+}
