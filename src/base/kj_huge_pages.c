@@ -12,7 +12,7 @@
 #endif
 
 /* Put what lies within `bytes` from `at`, and what shares a huge page with it, on huge pages now, as far
-   as the system can: pages that are not all there, or not in one piece, stay as they are. */
+   as the system can: what is not all of one mapping stays as it is. */
 static void collapse(const void *at, size_t bytes)
 {
 #ifdef MADV_COLLAPSE
