@@ -16,6 +16,7 @@ module kj_sink_h5
    use kj_sink, only: sink_t
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
       create_group, put_text, put_number
+   use kj_reserve, only: take_reserve, give_reserve, NO_RESERVE
    use kj_h5_layout, only: write_layout
    use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
       finish_background, write_buffer, write_rows
@@ -32,6 +33,7 @@ module kj_sink_h5
       ! own
       integer(hid_t), private :: file = -1, run = -1           !! /run
       type(packer_t), private :: packer
+      integer, private :: reserve = NO_RESERVE                 !! room on the disk for the end
       integer, private :: n_value = 0, n_chunk = 1             !! reals in a row, rows in a chunk
       integer, private :: n_written = 0                        !! rows in chunks that are full
       integer, private :: n_packing = 0                        !! rows packed in the background
@@ -94,12 +96,15 @@ contains
       self%last_put = self%started
       self%handed = self%started
 
+      call give_reserve(self%reserve)
+      call take_reserve(self%path//GROWING, self%reserve)
       allocate (series(size(history%variable)))
       call write_layout(self%file, history, self%n_chunk, series, error)
       call new_packer(history, series, self%n_chunk, self%n_threads, self%reproducible, &
          self%packer, error)
       call put_start(self, error)
       if (allocated(error)) then
+         call give_reserve(self%reserve)
          call free_packer(self%packer)
          call close_file(self%file, closing)
          call remove_file(self%path//GROWING)
@@ -328,6 +333,7 @@ contains
       empty = self%n_written + self%n_packing + self%n_held == 0
       call finish_packing(self, error)
       call write_held(self, error)
+      call give_reserve(self%reserve)
       call free_packer(self%packer)
       if (.not. self%reproducible) then
          call put_text(self%run, 'ended', date_time(), error)
