@@ -220,4 +220,7 @@ def main(root):
 if __name__ == "__main__":
     if len(sys.argv) > 2:
         sys.exit(__doc__)
-    sys.exit(main(pathlib.Path(sys.argv[1] if len(sys.argv) == 2 else ".")))
+    ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) == 2 else ".")
+    if not (ROOT / "tests" / "CMakeLists.txt").is_file():
+        sys.exit(f"{ROOT} is not the root of the project: it has no tests/CMakeLists.txt")
+    sys.exit(main(ROOT))

@@ -1,9 +1,10 @@
-/* Arrays on huge pages; in C because Fortran cannot ask the system. */
+/* Memory on huge pages; in C because Fortran cannot ask the system. */
 #define _DEFAULT_SOURCE
 #include <errno.h>
-#include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <sys/mman.h>
+#include "kj_huge_pages.h"
 
 #define HUGE_PAGE ((size_t)2*1024*1024)
 
@@ -11,8 +12,22 @@
 #define MADV_COLLAPSE 25                     /* Linux 6.1 */
 #endif
 
-/* Put what lies within `bytes` from `at`, and what shares a huge page with it, on huge pages now, as far
-   as the system can: what is not all of one mapping stays as it is. */
+void *kj_huge_room(size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+   void *room;
+
+   if (bytes >= HUGE_PAGE) {
+      bytes = (bytes + HUGE_PAGE - 1)/HUGE_PAGE*HUGE_PAGE;
+      if (posix_memalign(&room, HUGE_PAGE, bytes) != 0) return NULL;
+      madvise(room, bytes, MADV_HUGEPAGE);
+      return room;
+   }
+#endif
+   return malloc(bytes + 1);
+}
+
+/* What is not all of one mapping stays as it is */
 static void collapse(const void *at, size_t bytes)
 {
 #ifdef MADV_COLLAPSE

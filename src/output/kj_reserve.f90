@@ -13,7 +13,7 @@ module kj_reserve
    interface
       integer(c_int) function kj_reserve_take(name, bytes) bind(c)
          import :: c_int, c_long, c_char
-         character(kind=c_char), intent(inout) :: name(*)
+         character(kind=c_char), intent(in) :: name(*)
          integer(c_long), value, intent(in) :: bytes
       end function kj_reserve_take
 
@@ -25,15 +25,12 @@ module kj_reserve
 
 contains
 
-   !> Hold room on the file system of a path; NO_RESERVE where there is none
+   !> Hold room by a file whose path is free again on return; NO_RESERVE where there is none
    subroutine take_reserve(path, reserve)
       character(len=*), intent(in) :: path
       integer, intent(out) :: reserve
 
-      character(kind=c_char, len=len(path) + 8) :: name
-
-      name = path//'.XXXXXX'//c_null_char
-      reserve = int(kj_reserve_take(name, BYTES))
+      reserve = int(kj_reserve_take(path//c_null_char, BYTES))
    end subroutine take_reserve
 
    !> Give it back, if there is any

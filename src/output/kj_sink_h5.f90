@@ -97,7 +97,7 @@ contains
       self%handed = self%started
 
       call give_reserve(self%reserve)
-      call take_reserve(self%path//GROWING, self%reserve)
+      call take_reserve(self%path//GROWING//'.room', self%reserve)
       allocate (series(size(history%variable)))
       call write_layout(self%file, history, self%n_chunk, series, error)
       call new_packer(history, series, self%n_chunk, self%n_threads, self%reproducible, &

@@ -14,8 +14,12 @@ module kj_pages
 
    public :: place_state, place_c_state
 
+   !> Ask for huge pages below an array; nothing happens where there are none
+   interface use_huge
+      module procedure huge_column, huge_columns, huge_blocks, huge_indices
+   end interface use_huge
+
    interface
-      !> Ask for huge pages below n numbers; nothing happens where there are none
       subroutine huge_reals(array, n) bind(c, name='kj_huge_reals')
          import :: c_double, c_size_t
          real(c_double), intent(in) :: array(*)
@@ -42,39 +46,39 @@ contains
       do b = 1, size(model%batch)
          call place_batch(model%batch(b), s%joint(b))
       end do
-      call huge_reals(s%world%x, size(s%world%x, kind=c_size_t))
-      call huge_reals(s%world%w, size(s%world%w, kind=c_size_t))
-      call huge_reals(s%v, size(s%v, kind=c_size_t))
-      call huge_reals(s%a, size(s%a, kind=c_size_t))
-      call huge_reals(s%al, size(s%al, kind=c_size_t))
-      call huge_reals(s%f, size(s%f, kind=c_size_t))
-      call huge_reals(s%m, size(s%m, kind=c_size_t))
-      call huge_reals(s%kn, size(s%kn, kind=c_size_t))
-      call huge_reals(s%kr, size(s%kr, kind=c_size_t))
-      call huge_reals(s%mass, size(s%mass, kind=c_size_t))
-      call huge_reals(s%inertia, size(s%inertia, kind=c_size_t))
-      call huge_reals(s%p, size(s%p, kind=c_size_t))
-      call huge_reals(s%principal, size(s%principal, kind=c_size_t))
-      call huge_reals(s%impulse, size(s%impulse, kind=c_size_t))
-      call huge_reals(s%angular_impulse, size(s%angular_impulse, kind=c_size_t))
-      call huge_reals(s%rotation_sum, size(s%rotation_sum, kind=c_size_t))
+      call use_huge(s%world%x)
+      call use_huge(s%world%w)
+      call use_huge(s%v)
+      call use_huge(s%a)
+      call use_huge(s%al)
+      call use_huge(s%f)
+      call use_huge(s%m)
+      call use_huge(s%kn)
+      call use_huge(s%kr)
+      call use_huge(s%mass)
+      call use_huge(s%inertia)
+      call use_huge(s%p)
+      call use_huge(s%principal)
+      call use_huge(s%impulse)
+      call use_huge(s%angular_impulse)
+      call use_huge(s%rotation_sum)
    end subroutine place_state
 
    subroutine place_batch(b, s)
       type(joint_batch_t), intent(in) :: b
       type(joint_state_t), intent(in) :: s
 
-      call huge_integers(b%node, size(b%node, kind=c_size_t))
-      call huge_integers(b%lead, size(b%lead, kind=c_size_t))
-      call huge_reals(b%xl0, size(b%xl0, kind=c_size_t))
-      call huge_reals(b%k, size(b%k, kind=c_size_t))
-      call huge_reals(b%c, size(b%c, kind=c_size_t))
-      call huge_reals(s%e, size(s%e, kind=c_size_t))
-      call huge_reals(s%q, size(s%q, kind=c_size_t))
-      call huge_reals(s%f, size(s%f, kind=c_size_t))
-      call huge_reals(s%qdot, size(s%qdot, kind=c_size_t))
-      call huge_reals(s%energy, size(s%energy, kind=c_size_t))
-      call huge_reals(s%stiff, size(s%stiff, kind=c_size_t))
+      call use_huge(b%node)
+      call use_huge(b%lead)
+      call use_huge(b%xl0)
+      call use_huge(b%k)
+      call use_huge(b%c)
+      call use_huge(s%e)
+      call use_huge(s%q)
+      call use_huge(s%f)
+      call use_huge(s%qdot)
+      call use_huge(s%energy)
+      call use_huge(s%stiff)
    end subroutine place_batch
 
    !> Those of the consistent cycle
@@ -90,44 +94,68 @@ contains
          call place_c_batch(c%batch(b), s%joint(b))
       end do
       associate (p => s%poses)
-         call huge_reals(p%x, size(p%x, kind=c_size_t))
-         call huge_reals(p%quat, size(p%quat, kind=c_size_t))
-         call huge_reals(p%v, size(p%v, kind=c_size_t))
-         call huge_reals(p%w, size(p%w, kind=c_size_t))
-         call huge_reals(p%d, size(p%d, kind=c_size_t))
+         call use_huge(p%x)
+         call use_huge(p%quat)
+         call use_huge(p%v)
+         call use_huge(p%w)
+         call use_huge(p%d)
       end associate
-      call huge_reals(c%im, size(c%im, kind=c_size_t))
-      call huge_reals(c%i, size(c%i, kind=c_size_t))
-      call huge_reals(c%ii, size(c%ii, kind=c_size_t))
-      call huge_reals(s%v, size(s%v, kind=c_size_t))
-      call huge_reals(s%l, size(s%l, kind=c_size_t))
-      call huge_reals(s%f, size(s%f, kind=c_size_t))
-      call huge_reals(s%t, size(s%t, kind=c_size_t))
-      call huge_reals(s%own_f, size(s%own_f, kind=c_size_t))
-      call huge_reals(s%own_t, size(s%own_t, kind=c_size_t))
-      call huge_reals(s%impulse, size(s%impulse, kind=c_size_t))
-      call huge_reals(s%angular_impulse, size(s%angular_impulse, kind=c_size_t))
-      call huge_reals(s%turn, size(s%turn, kind=c_size_t))
-      call huge_reals(s%wrench, size(s%wrench, kind=c_size_t))
+      call use_huge(c%im)
+      call use_huge(c%i)
+      call use_huge(c%ii)
+      call use_huge(s%v)
+      call use_huge(s%l)
+      call use_huge(s%f)
+      call use_huge(s%t)
+      call use_huge(s%own_f)
+      call use_huge(s%own_t)
+      call use_huge(s%impulse)
+      call use_huge(s%angular_impulse)
+      call use_huge(s%turn)
+      call use_huge(s%wrench)
    end subroutine place_c_state
 
    subroutine place_c_batch(b, s)
       type(c_batch_t), intent(in) :: b
       type(c_joint_t), intent(in) :: s
 
-      call huge_integers(b%lead, size(b%lead, kind=c_size_t))
-      call huge_reals(b%arm, size(b%arm, kind=c_size_t))
-      call huge_reals(b%triad, size(b%triad, kind=c_size_t))
-      call huge_reals(b%xl0, size(b%xl0, kind=c_size_t))
-      call huge_reals(b%k, size(b%k, kind=c_size_t))
-      call huge_reals(b%c, size(b%c, kind=c_size_t))
-      call huge_reals(s%q, size(s%q, kind=c_size_t))
-      call huge_reals(s%fe, size(s%fe, kind=c_size_t))
-      call huge_reals(s%fd, size(s%fd, kind=c_size_t))
-      call huge_reals(s%elastic, size(s%elastic, kind=c_size_t))
-      call huge_reals(s%dissipated, size(s%dissipated, kind=c_size_t))
-      call huge_reals(s%b, size(s%b, kind=c_size_t))
-      call huge_reals(s%qd, size(s%qd, kind=c_size_t))
+      call use_huge(b%lead)
+      call use_huge(b%arm)
+      call use_huge(b%triad)
+      call use_huge(b%xl0)
+      call use_huge(b%k)
+      call use_huge(b%c)
+      call use_huge(s%q)
+      call use_huge(s%fe)
+      call use_huge(s%fd)
+      call use_huge(s%elastic)
+      call use_huge(s%dissipated)
+      call use_huge(s%b)
+      call use_huge(s%qd)
    end subroutine place_c_batch
+
+   subroutine huge_column(array)
+      real(c_double), contiguous, intent(in) :: array(:)
+
+      call huge_reals(array, size(array, kind=c_size_t))
+   end subroutine huge_column
+
+   subroutine huge_columns(array)
+      real(c_double), contiguous, intent(in) :: array(:, :)
+
+      call huge_reals(array, size(array, kind=c_size_t))
+   end subroutine huge_columns
+
+   subroutine huge_blocks(array)
+      real(c_double), contiguous, intent(in) :: array(:, :, :)
+
+      call huge_reals(array, size(array, kind=c_size_t))
+   end subroutine huge_blocks
+
+   subroutine huge_indices(array)
+      integer(c_int), contiguous, intent(in) :: array(:, :)
+
+      call huge_integers(array, size(array, kind=c_size_t))
+   end subroutine huge_indices
 
 end module kj_pages

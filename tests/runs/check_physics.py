@@ -150,6 +150,14 @@ def nodes_ride(file, name, limit):
         check(f"{name}: node {node} rides on its body", abs(x[:, k] - expected).max(), limit)
 
 
+def force_in_its_frame(file, name):
+    """The components of a joint's force in its frame are the force on the body of node 1, however far it turned"""
+    turned = rotate(file["joint/frame"][:, 0], file["joint/force"][:, 0])
+    on_body = file["rigid_body/force"][:, 0]
+    check(f"{name}: force in its frame", abs(turned - on_body).max(), 1e-14 * abs(on_body).max())
+    check(f"{name}: 2 rad less how far it turned", 2.0 - abs(file["joint/rotation"][:]).max(), 0.0)
+
+
 def main(kjoint, work):
     work = pathlib.Path(work)
     work.mkdir(parents=True, exist_ok=True)
@@ -165,6 +173,8 @@ def main(kjoint, work):
     for case in ("SPH07", "KFRE1"):            # fastest at the start, in the middle
         with run(kjoint, work, case, "--legacy") as file:
             warned_turn(file, f"{case} legacy", work / f"{case}.log")
+    with run(kjoint, work, "SPH07") as file:   # equal springs: shown in the mean frame
+        force_in_its_frame(file, "SPH07 consistent")
     last_row_of_a_stop(kjoint, work)
     steps_of_many(kjoint, work)
     with run(kjoint, work, "REV03") as file:
