@@ -3,7 +3,7 @@
 
 usage: check_style.py [ROOT]      (exit 1 and one line per finding)
 
-Files: at most 400 lines, 100 columns (rows of tables 132), no tab, no trailing blank, listed in a
+Files: at most 600 lines, 100 columns (rows of tables 132), no tab, no trailing blank, listed in a
 CMakeLists.txt. Modules: named as the file, `implicit none`, `private`, no variables, `use` with
 `only` and never of a later layer, hdf5 in kj_h5* alone. Procedures: at most 80 lines. Public
 entities: a `!>` above. Nothing but src/cli prints or stops. No goto, include, entry, common,
@@ -13,8 +13,8 @@ import pathlib
 import re
 import sys
 
-LAYERS = ["base", "joint", "deck", "model", "solve", "output", "api", "cli"]
-MAX_FILE, MAX_LINE, MAX_TABLE_LINE, MAX_PROCEDURE = 400, 100, 132, 80
+LAYERS = ["base", "joint", "deck", "model", "schedule", "legacy", "consistent", "history", "files", "api", "capi", "cli"]
+MAX_FILE, MAX_LINE, MAX_TABLE_LINE, MAX_PROCEDURE = 600, 100, 132, 80
 MAY_HOLD_VARIABLES = {"kj_signal"}                # the flag that a signal handler sets
 
 I = re.IGNORECASE

@@ -11,32 +11,30 @@
 module kjoint
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, &
-      SEV_NOTE, &
-      SEV_WARNING, SEV_ERROR
+      SEV_NOTE, SEV_WARNING, SEV_ERROR
    use kj_version, only: KJOINT_VERSION
    use kj_model, only: model_t
-   use kj_state, only: state_t
-   use kj_c_state, only: c_model_t, c_state_t
-   use kj_c_advance, only: march_t
-   use kj_c_parts, only: part_t
+   use kj_legacy_state, only: legacy_state_t
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_march, only: march_t
+   use kj_consistent_islands, only: part_t
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
    use kj_sink_memory, only: sink_memory_t
    use kj_check, only: check_t, limit_row_t
-   use kj_element, only: joint_set_t, joint_spec_t, joint_result_t
-   use kj_element_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
-   use kj_element_force, only: joint_forces, joint_stiffness, critical_step, joint_count, &
+   use kj_host, only: joint_set_t, joint_spec_t, joint_result_t
+   use kj_host_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
+   use kj_host_force, only: joint_forces, joint_stiffness, critical_step, joint_count, &
       joint_result, joint_energy, joint_warnings
-   use kj_element_state, only: joint_state_size, save_joints, restore_joints
+   use kj_host_state, only: joint_state_size, save_joints, restore_joints
    implicit none
    private
 
    public :: wp, error_t, finding_list_t, sink_t, history_t, KJOINT_VERSION
    public :: ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, SEV_ERROR
    public :: run_options_t, run_status_t, simulation_t, monitor_t
-   public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
-      default_output
+   public :: load_simulation, run_simulation, simulation_title, simulation_reach, default_output
    public :: check_t, limit_row_t, check_simulation
    ! model level, stepped by the host
    public :: start_simulation, advance_simulation, step_simulation, simulation_status
@@ -95,10 +93,10 @@ module kjoint
       private
       type(run_options_t) :: options
       type(model_t) :: model
-      type(state_t) :: state                    !! legacy: the state; consistent: what samples read
+      type(legacy_state_t) :: state   !! legacy: the state; consistent: what samples read
       logical :: legacy = .false.
-      type(c_model_t) :: c_model                !! consistent formulation
-      type(c_state_t) :: c_state
+      type(consistent_model_t) :: c_model                !! consistent formulation
+      type(consistent_state_t) :: c_state
       type(march_t) :: march
       integer :: n_island = 0                   !! of a run by islands
       type(part_t), allocatable :: part(:)      !! its parts; empty: one step for all

@@ -1,7 +1,7 @@
 !> What a host may change between the steps of a scene.
 submodule (kjoint:kjoint_step) kjoint_change
-   use kj_c_build, only: settle
-   use kj_element_start, only: turned
+   use kj_consistent_build, only: settle
+   use kj_host_start, only: turned
    implicit none
 
 contains

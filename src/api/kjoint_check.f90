@@ -1,14 +1,13 @@
 !> Bodies of the public module: what a scene is like before it runs.
 submodule (kjoint) kjoint_check
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_joint_stop, only: has_friction
+   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, has_friction
    use kj_curve, only: curve_set_t, law_value
-   use kj_c_blocking, only: start_scene
-   use kj_c_contact, only: step_factor
-   use kj_c_bound, only: bound_t, new_bound
+   use kj_consistent_auto_stiffness, only: start_scene
+   use kj_consistent_impact_step, only: step_factor
+   use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_islands, only: find_islands, island_steps
-   use kj_c_limits, only: nodal_bound, exact_bound
+   use kj_consistent_nodal_step, only: nodal_bound, exact_bound
    implicit none
 
    integer, parameter :: MOST_DOFS = 3000        !! of the eigenvalue problem of the whole scene
@@ -169,8 +168,8 @@ contains
       type(model_t), intent(in) :: model
       type(check_t), intent(inout) :: report
 
-      type(c_model_t) :: c
-      type(c_state_t) :: state
+      type(consistent_model_t) :: c
+      type(consistent_state_t) :: state
       type(bound_t) :: bound
       type(error_t), allocatable :: error
       integer, allocatable :: island(:)

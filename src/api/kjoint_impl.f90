@@ -5,10 +5,10 @@ submodule (kjoint) kjoint_impl
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
    use kj_kn_scale, only: scale_blocking
-   use kj_legacy_check, only: warn_legacy
+   use kj_legacy_warnings, only: warn_legacy
    use kj_joint_types, only: joint_types
-   use kj_joint_stop, only: has_friction
-   use kj_c_contact, only: step_factor
+   use kj_joint_batch, only: has_friction
+   use kj_consistent_impact_step, only: step_factor
    use kj_sample, only: new_sampler
    use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
    implicit none

@@ -3,18 +3,19 @@ submodule (kjoint) kjoint_run
    use kj_error, only: fail, str, add_finding
    use kj_system, only: wall_clock
    use kj_model, only: STOP_BELOW
-   use kj_legacy_check, only: warn_large_turn
-   use kj_state, only: new_state, OWNER_JOINT
-   use kj_pages, only: place_state, place_c_state
-   use kj_step, only: find_accelerations, advance
+   use kj_legacy_warnings, only: warn_large_turn
+   use kj_legacy_state, only: new_legacy_state, OWNER_JOINT
+   use kj_pages, only: place_state, place_consistent_state
+   use kj_legacy_step, only: find_accelerations, advance
    use kj_energy, only: balance_t, balance_of
    use kj_sample, only: sample_row
-   use kj_c_blocking, only: start_scene
-   use kj_c_contact, only: step_factor
-   use kj_c_advance, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, RKMK4
-   use kj_c_publish, only: publish
-   use kj_c_parts, only: cut_scene, march_parts
-   use kj_c_gather, only: gather_parts, gather_clock, joint_cycles
+   use kj_consistent_auto_stiffness, only: start_scene
+   use kj_consistent_impact_step, only: step_factor
+   use kj_consistent_march, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, &
+      RKMK4
+   use kj_consistent_snapshot, only: publish
+   use kj_consistent_islands, only: cut_scene, march_parts
+   use kj_consistent_gather, only: gather_parts, gather_clock, joint_cycles
    implicit none
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
@@ -35,7 +36,7 @@ contains
          return
       end if
       sim%started = .false.
-      call new_state(sim%model, sim%state)
+      call new_legacy_state(sim%model, sim%state)
       call place_state(sim%model, sim%state)
       call sink%open(sim%history, error)
       if (allocated(error)) return
@@ -189,7 +190,7 @@ contains
       call start_scene(sim%model, sim%options%integrator == 'rkmk4', sim%c_model, sim%c_state, &
          error)
       if (allocated(error)) return
-      call place_c_state(sim%model, sim%c_model, sim%c_state)
+      call place_consistent_state(sim%model, sim%c_model, sim%c_state)
       sim%march%integrator = SPLIT2
       if (sim%options%integrator == 'liemid') sim%march%integrator = LIEMID
       if (sim%options%integrator == 'rkmk4') sim%march%integrator = RKMK4
@@ -205,8 +206,8 @@ contains
    !> The run is still where the formulation holds
    subroutine check_state(model, c, state, error)
       type(model_t), intent(in) :: model
-      type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(in) :: state
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
       integer :: j, at
@@ -250,7 +251,7 @@ contains
    !> After a run: the axes of a joint have turned against each other or against their body
    subroutine warn_loose_frame(model, state, findings)
       type(model_t), intent(in) :: model
-      type(state_t), intent(in) :: state
+      type(legacy_state_t), intent(in) :: state
       type(finding_list_t), intent(inout) :: findings
 
       type(error_t), allocatable :: finding

@@ -4,9 +4,9 @@ submodule (kjoint:kjoint_run) kjoint_step
    use kj_math3, only: to_quaternion
    use kj_joint_types, only: joint_types
    use kj_channels, only: channels, groups
-   use kj_c_body, only: columns
-   use kj_c_step, only: place_node
-   use kj_element_deck, only: take_model
+   use kj_consistent_body, only: columns
+   use kj_consistent_step, only: place_node
+   use kj_host_deck, only: take_model
    implicit none
 
    integer, parameter :: CHUNK = 1000            !! cycles between two looks at the state
@@ -22,7 +22,7 @@ contains
          return
       end if
       sim%started = .false.
-      call new_state(sim%model, sim%state)
+      call new_legacy_state(sim%model, sim%state)
       call place_state(sim%model, sim%state)
       if (sim%legacy) then
          call find_accelerations(sim%model, sim%state, .true., error)

@@ -4,7 +4,8 @@ module kj_curve
    implicit none
    private
 
-   public :: curve_set_t, law_value, load_value, curve_integral, curve_moment, add_curve
+   public :: curve_set_t, law_value, load_value, curve_integral, curve_moment, add_curve, &
+      steepest_rise
 
    !> Curve c has the points first(c) .. first(c + 1) - 1, abscissae ascending; the arrays may be
    !> longer than n curves need
@@ -149,5 +150,18 @@ contains
          from = to
       end do
    end function curve_moment
+
+   !> Steepest rise of a curve anywhere, 0 where it only falls
+   pure real(wp) function steepest_rise(curves, curve) result(slope)
+      type(curve_set_t), intent(in) :: curves
+      integer, intent(in) :: curve               !! index
+
+      integer :: p
+
+      slope = 0.0_wp
+      do p = curves%first(curve), curves%first(curve + 1) - 2
+         slope = max(slope, (curves%y(p + 1) - curves%y(p))/(curves%x(p + 1) - curves%x(p)))
+      end do
+   end function steepest_rise
 
 end module kj_curve

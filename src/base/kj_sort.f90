@@ -3,7 +3,7 @@ module kj_sort
    implicit none
    private
 
-   public :: lookup_t, new_lookup, find, lower_bound, sorted_order, sort_unique
+   public :: lookup_t, new_lookup, find, lower_bound, sorted_order, sort_unique, find_root
 
    !> Ids in ascending order and where each stood
    type :: lookup_t
@@ -116,5 +116,18 @@ contains
          end if
       end do
    end function lower_bound
+
+   !> Root of a lead, or of anything in trees of parents; halves the way there for the next time
+   pure subroutine find_root(lead, parent, root)
+      integer, intent(in) :: lead
+      integer, intent(inout) :: parent(:)
+      integer, intent(out) :: root
+
+      root = lead
+      do while (parent(root) /= root)
+         parent(root) = parent(parent(root))
+         root = parent(root)
+      end do
+   end subroutine find_root
 
 end module kj_sort

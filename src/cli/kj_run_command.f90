@@ -4,10 +4,9 @@ module kj_run_command
    use kj_error, only: error_t, finding_list_t, fail, str, add_finding, ERR_INPUT, ERR_FILE
    use kj_system, only: wall_clock
    use kj_option_value, only: option_real, option_threads
-   use kj_option, only: arguments_t, OPT_OUTPUT, &
-      OPT_LEGACY, OPT_FORMULATION, OPT_INTEGRATOR, OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, &
-      OPT_DT_SCALE, OPT_ENERGY_LIMIT, OPT_KN_SCALE, OPT_IGNORE, &
-      OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON, OPT_ISLANDS
+   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_LEGACY, OPT_FORMULATION, OPT_INTEGRATOR, &
+      OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, OPT_DT_SCALE, OPT_ENERGY_LIMIT, OPT_KN_SCALE, &
+      OPT_IGNORE, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON, OPT_ISLANDS
    use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure

@@ -4,9 +4,8 @@ module kj_study_command
    use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_INPUT, ERR_FILE
    use kj_number, only: parse_real, NUMBER_FINE
    use kj_option_value, only: option_real, option_threads
-   use kj_option, only: arguments_t, OPT_OUTPUT, &
-      OPT_UNTIL, OPT_SAMPLE, OPT_IGNORE, &
-      OPT_QUIET, OPT_JSON, OPT_ERROR, OPT_SCALES, OPT_STIFFNESS, OPT_THREADS
+   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_UNTIL, OPT_SAMPLE, OPT_IGNORE, OPT_QUIET, &
+      OPT_JSON, OPT_ERROR, OPT_SCALES, OPT_STIFFNESS, OPT_THREADS
    use kj_terminal, only: print_line, print_error, may_colour, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure

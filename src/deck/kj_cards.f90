@@ -1,10 +1,10 @@
 !> Cards -> typed values, with a place for each: one name for the readers of all kinds of blocks.
 module kj_cards
-   use kj_deck_data, only: report_header
-   use kj_once, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
-   use kj_rows, only: rows_t, read_rows, report_row
-   use kj_ids, only: ids_t, clauses_t, read_ids, read_clauses, report_id
-   use kj_th, only: th_t, read_th
+   use kj_deck_text, only: report_header
+   use kj_cards_once, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
+   use kj_cards_repeated, only: rows_t, read_rows, report_row
+   use kj_cards_ids, only: ids_t, clauses_t, read_ids, read_clauses, report_id
+   use kj_cards_th, only: th_t, read_th
    implicit none
    private
 

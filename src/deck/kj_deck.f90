@@ -4,12 +4,12 @@ module kj_deck
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE, str
    use kj_units, only: unit_system_t, factor_of
    use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_KJOINT2, KW_INIVEL_AXIS
-   use kj_fields, only: field_range
-   use kj_deck_data, only: source_t, block_t, deck_t, line_text, place_of, title_of, block_units, &
+   use kj_card_fields, only: field_range
+   use kj_deck_text, only: source_t, block_t, deck_t, line_text, place_of, title_of, block_units, &
       report_header, add_deck_finding, header_end, mute_block
-   use kj_scan, only: scan_deck
-   use kj_once, only: cards_t, read_cards, int_of, text_of, report
-   use kj_unit_codes, only: read_unit
+   use kj_deck_scan, only: scan_deck
+   use kj_cards_once, only: cards_t, read_cards, int_of, text_of, report
+   use kj_deck_units, only: read_unit
    implicit none
    private
 

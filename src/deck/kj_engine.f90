@@ -2,7 +2,7 @@
 module kj_engine
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE, str
-   use kj_deck_data, only: deck_t, source_t, add_deck_finding, line_text, header_end
+   use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end
    use kj_engine_text, only: engine_line_t, load_engine, split_words, read_values, word_integer
    use kj_engine_words, only: engine_words, find_engine_word, EN_RUN, EN_VERS, EN_TFILE, EN_PRINT, &
       EN_DT, EN_DTIX, EN_TH, EN_STOP, EN_END, ENGINE_READ, ENGINE_NOTE

@@ -4,8 +4,8 @@ module kj_engine_text
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, str
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_TEXT, &
       NUMBER_NOT_FINITE
-   use kj_deck_data, only: deck_t, source_t, add_deck_finding, line_text, header_end
-   use kj_source, only: load_source, next_line, add_file_finding
+   use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end
+   use kj_deck_file, only: load_source, next_line, add_file_finding
    implicit none
    private
 

@@ -1,5 +1,5 @@
 !> THE table of keywords of the starter deck: how each is written, what its header holds and
-!> whether kjoint reads it. The cards of the keywords stand in kj_fields.
+!> whether kjoint reads it. The cards of the keywords stand in kj_card_fields.
 module kj_keywords
    use kj_spelling, only: upper, edit_distance
    implicit none

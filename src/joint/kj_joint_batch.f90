@@ -7,7 +7,7 @@ module kj_joint_batch
    private
 
    public :: joint_batch_t, joint_state_t, limits_t, new_batch, new_limits, new_joint_state, &
-      is_spring
+      is_spring, has_friction, has_limits
 
    !> Law signature of a dof, bits
    integer, parameter, public :: LAW_SPRING = 1        !! linear stiffness
@@ -17,6 +17,8 @@ module kj_joint_batch
 
    integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kinds: /PROP/TYPE33, /PROP/TYPE45
    integer, parameter, public :: SPRING4 = 4, SPRING8 = 8    !! kinds: /PROP/TYPE4, /PROP/TYPE8
+
+   real(wp), parameter :: TINY_VALUE = 1.0e-20_wp            !! nothing is given
 
    !> What a dof does, state%flag
    integer, parameter, public :: DOF_FREE = 0, DOF_SLIDING = 1, DOF_STICKING = 2, DOF_AT_STOP = 3, &
@@ -149,5 +151,23 @@ contains
          if (joint_types(batch%row)%free(dof) == 0) state%flag(:, dof) = DOF_BLOCKED
       end do
    end subroutine new_joint_state
+
+   !> A dof with this stiffness, limit and curve has friction
+   pure elemental logical function has_friction(k, slip, curve) result(has)
+      real(wp), intent(in) :: k, slip
+      integer, intent(in) :: curve
+
+      has = k > TINY_VALUE .and. (slip > TINY_VALUE .or. curve > 0)
+   end function has_friction
+
+   !> Joint j has stops, friction or a lock
+   pure logical function has_limits(limit, j) result(has)
+      type(limits_t), intent(in) :: limit
+      integer, intent(in) :: j
+
+      has = limit%t_lock(j) < huge(1.0_wp) .or. any(limit%lo(j, :) < 0.0_wp) .or. &
+         any(limit%hi(j, :) > 0.0_wp) .or. &
+         any(has_friction(limit%k(j, :), limit%slip(j, :), limit%slip_curve(j, :)))
+   end function has_limits
 
 end module kj_joint_batch

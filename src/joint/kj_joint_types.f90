@@ -1,6 +1,6 @@
 !> THE table of joint types: which local dofs are free and how the joint frame turns.
 !> A joint type has no code of its own: its physics is its row here plus the dof laws of
-!> kj_joint_law. To add a type, add a row (and a row to tests/unit/test_joint_types.pf).
+!> kj_legacy_law. To add a type, add a row (and a row to tests/unit/test_joint_types.pf).
 module kj_joint_types
    implicit none
    private

@@ -5,7 +5,7 @@ module kj_build
    use kj_joint_types, only: FRAME_MEAN, FRAME_CROSS
    use kj_joint_batch, only: KJOINT2
    use kj_keywords, only: KW_TITLE
-   use kj_deck_data, only: deck_t, title_of
+   use kj_deck_text, only: deck_t, title_of
    use kj_engine, only: engine_t
    use kj_draft, only: draft_t, blocks_of
    use kj_build_scene, only: build_nodes, build_masses, build_curves, build_sensors, check_analysis

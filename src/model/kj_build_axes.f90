@@ -6,7 +6,7 @@ module kj_build_axes
    use kj_sort, only: find
    use kj_keywords, only: KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, &
       KW_FRAME_MOV2, KW_FRAME_NOD
-   use kj_deck_data, only: deck_t
+   use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
    use kj_draft, only: draft_t, blocks_of, block_lookup, report_double_blocks
    use kj_skew, only: skew_axes

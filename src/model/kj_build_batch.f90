@@ -4,7 +4,7 @@ module kj_build_batch
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: joint_batch_t, limits_t, new_batch, new_limits, is_spring, &
       LAW_SPRING, LAW_DAMPER
-   use kj_assembly, only: build_lead_map
+   use kj_lead_map, only: build_lead_map
    use kj_joint_draft, only: property_t, joint_t
    use kj_model, only: model_t
    implicit none

@@ -6,7 +6,7 @@ module kj_build_body
    use kj_error, only: error_t, finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: find
    use kj_keywords, only: KW_RBODY
-   use kj_deck_data, only: deck_t, title_of
+   use kj_deck_text, only: deck_t, title_of
    use kj_cards, only: cards_t, read_cards, real_of, int_of, report
    use kj_draft, only: draft_t, blocks_of, block_lookup, group_nodes, reference, &
       report_double_blocks

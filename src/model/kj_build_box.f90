@@ -4,7 +4,7 @@ module kj_build_box
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: lookup_t, find
    use kj_keywords, only: KW_BOX_RECTA
-   use kj_deck_data, only: deck_t
+   use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, read_cards, real_of, int_of, report
    use kj_draft, only: draft_t, blocks_of, block_lookup, report_double_blocks, reference
    use kj_node_list, only: node_list_t, add_node

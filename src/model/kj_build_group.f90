@@ -4,7 +4,7 @@ module kj_build_group
    use kj_sort, only: find
    use kj_keywords, only: KW_GRNOD_NODE, KW_GRNOD_NODENS, KW_GRNOD_GRNOD, KW_GRNOD_GENE, &
       KW_GRNOD_GEN_INCR, KW_GRNOD_PART, KW_GRNOD_BOX, KW_SET_GENERAL
-   use kj_deck_data, only: deck_t, add_deck_finding
+   use kj_deck_text, only: deck_t, add_deck_finding
    use kj_cards, only: ids_t, clauses_t, read_ids, read_clauses, report_id, report_header
    use kj_draft, only: draft_t, block_lookup, report_double_blocks, known_ids
    use kj_node_list, only: node_list_t, add_node, add_nodes, remove_nodes, add_range, add_steps, &

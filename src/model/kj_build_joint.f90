@@ -7,16 +7,16 @@ module kj_build_joint
    use kj_joint_batch, only: KJOINT, KJOINT2, SPRING4, SPRING8, LAW_SPRING, LAW_DAMPER, &
       LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_keywords, only: KW_KJOINT, KW_KJOINT2
-   use kj_deck_data, only: deck_t, title_of
+   use kj_deck_text, only: deck_t, title_of
    use kj_cards, only: cards_t, rows_t, read_cards, report_row
    use kj_draft, only: draft_t, blocks_of
    use kj_model, only: model_t
    use kj_joint_draft, only: property_t, joint_t
    use kj_build_property, only: read_property
    use kj_build_property2, only: read_property2
-   use kj_start_frame, only: match_skews, frame_of_skews, frame_of_nodes, angles_of_skews
+   use kj_attach_joint, only: match_skews, frame_of_skews, frame_of_nodes, angles_of_skews
    use kj_build_batch, only: fill_batches
-   use kj_build_spring_end, only: attach_spring, weigh_springs
+   use kj_attach_spring, only: attach_spring, weigh_springs
    implicit none
    private
 

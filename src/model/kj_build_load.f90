@@ -4,10 +4,9 @@ module kj_build_load
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: sort_unique
    use kj_units, only: dimensions, D_FORCE, D_MOMENT, D_VELOCITY, D_ANGULAR_VELOCITY, D_LENGTH, &
-      D_ACCELERATION, &
-      D_ANGULAR_ACCELERATION, D_NUMBER, D_TIME
+      D_ACCELERATION, D_ANGULAR_ACCELERATION, D_NUMBER, D_TIME
    use kj_keywords, only: KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, KW_IMPDISP, KW_IMPACC
-   use kj_deck_data, only: deck_t, block_factors
+   use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
    use kj_draft, only: draft_t, blocks_of, reference, group_nodes
    use kj_model, only: model_t, bcs_t, load_t, motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT, &

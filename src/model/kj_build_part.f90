@@ -4,7 +4,7 @@ module kj_build_part
    use kj_sort, only: lookup_t, new_lookup, find
    use kj_keywords, only: KW_PART, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, &
       KW_MAT_VOID, KW_OTHER, keywords
-   use kj_deck_data, only: deck_t
+   use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, read_cards, read_rows, int_of, report, report_row, report_header
    use kj_draft, only: draft_t, blocks_of, block_lookup, reference, report_double_blocks, known_ids
    implicit none

@@ -4,7 +4,7 @@ module kj_build_property
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME, FRAME_MEAN, &
       FRAME_FIRST, FRAME_CROSS
-   use kj_deck_data, only: deck_t
+   use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, real_of, int_of, report
    use kj_draft, only: draft_t, reference
    use kj_joint_draft, only: property_t

@@ -6,9 +6,8 @@ module kj_build_property2
    use kj_units, only: dimensions, D_LENGTH, D_FORCE, D_STIFFNESS, D_DAMPING, D_MOMENT, &
       D_ROT_STIFFNESS, D_ROT_DAMPING
    use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME
-   use kj_joint_batch, only: KJOINT2
-   use kj_joint_stop, only: has_friction
-   use kj_deck_data, only: deck_t, block_factors
+   use kj_joint_batch, only: KJOINT2, has_friction
+   use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, real_of, int_of, report
    use kj_draft, only: draft_t, reference
    use kj_joint_draft, only: property_t

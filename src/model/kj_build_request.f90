@@ -3,7 +3,7 @@ module kj_build_request
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: lookup_t, new_lookup, find, sorted_order
    use kj_keywords, only: KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, KW_TH_PART
-   use kj_deck_data, only: deck_t, line_text, report_header
+   use kj_deck_text, only: deck_t, line_text, report_header
    use kj_cards, only: th_t, read_th, report_id
    use kj_draft, only: draft_t, blocks_of, known_ids
    use kj_model, only: model_t

@@ -6,7 +6,7 @@ module kj_build_scene
    use kj_sort, only: new_lookup, find
    use kj_keywords, only: KW_NODE, KW_ADMAS, KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_ANALY, &
       KW_RANDOM
-   use kj_deck_data, only: deck_t
+   use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
       report_row, report_header
    use kj_draft, only: draft_t, blocks_of, block_lookup, group_nodes, report_double_blocks, &

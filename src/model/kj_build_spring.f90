@@ -11,7 +11,7 @@ module kj_build_spring
    use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME, FRAME_FIXED, FRAME_LINE
    use kj_joint_batch, only: SPRING4, SPRING8
    use kj_keywords, only: KW_SPRING4, KW_SPRING8
-   use kj_deck_data, only: deck_t, block_factors
+   use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, is_given, report
    use kj_draft, only: draft_t, blocks_of, reference
    use kj_joint_draft, only: property_t

@@ -4,7 +4,7 @@ module kj_build_velocity
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING
    use kj_math3, only: cross
    use kj_keywords, only: KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS
-   use kj_deck_data, only: deck_t
+   use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, read_cards, real_of, text_of, report
    use kj_draft, only: draft_t, group_nodes, reference
    use kj_model, only: model_t

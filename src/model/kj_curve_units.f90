@@ -6,7 +6,7 @@ module kj_curve_units
       D_ROT_STIFFNESS, D_DAMPING, D_ROT_DAMPING
    use kj_curve, only: add_curve
    use kj_joint_types, only: NDOF, DOF_NAME
-   use kj_deck_data, only: deck_t, block_factors
+   use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, report
    use kj_draft, only: draft_t
    use kj_joint_draft, only: property_t

@@ -5,7 +5,7 @@ module kj_draft
    use kj_error, only: finding_list_t, str, SEV_ERROR
    use kj_sort, only: lookup_t, new_lookup, find
    use kj_keywords, only: keywords, OUT_OF_SCOPE
-   use kj_deck_data, only: deck_t, line_text, place_of
+   use kj_deck_text, only: deck_t, line_text, place_of
    use kj_cards, only: cards_t, rows_t, int_of, report, report_header
    use kj_curve, only: curve_set_t
    use kj_model, only: skew_set_t

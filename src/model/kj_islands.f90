@@ -6,11 +6,12 @@
 !> whatever acts on it. A driven lead is not ground. Sensors and functions know time alone.
 module kj_islands
    use kj_kinds, only: wp
+   use kj_sort, only: find_root
    use kj_model, only: model_t, load_t
    implicit none
    private
 
-   public :: find_root, find_islands, element_leads, island_steps
+   public :: find_islands, element_leads, island_steps
 
 contains
 
@@ -166,18 +167,5 @@ contains
       call find_root(b, parent, root_b)
       parent(max(root_a, root_b)) = min(root_a, root_b)
    end subroutine tie
-
-   !> Root of a lead, or of anything in trees of parents; halves the way there for the next time
-   pure subroutine find_root(lead, parent, root)
-      integer, intent(in) :: lead
-      integer, intent(inout) :: parent(:)
-      integer, intent(out) :: root
-
-      root = lead
-      do while (parent(root) /= root)
-         parent(root) = parent(parent(root))
-         root = parent(root)
-      end do
-   end subroutine find_root
 
 end module kj_islands

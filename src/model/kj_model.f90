@@ -9,7 +9,7 @@ module kj_model
    use kj_units, only: unit_system_t
    use kj_curve, only: curve_set_t
    use kj_joint_batch, only: joint_batch_t
-   use kj_assembly, only: lead_map_t
+   use kj_lead_map, only: lead_map_t
    implicit none
    private
 

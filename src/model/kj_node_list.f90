@@ -1,7 +1,7 @@
 !> Lists of nodes while a group is put together: they grow, lose members, and end sorted.
 module kj_node_list
    use kj_sort, only: lower_bound, sorted_order
-   use kj_deck_data, only: lengthen
+   use kj_deck_text, only: lengthen
    use kj_draft, only: draft_t
    implicit none
    private

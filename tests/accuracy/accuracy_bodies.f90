@@ -3,8 +3,8 @@ module accuracy_bodies
    use kjoint, only: wp, run_options_t
    use kj_channels, only: OF_BODY
    use accuracy_check, only: check_t, below, holds, say
-   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, add_gravity, write_deck, &
-      GLOBAL_AXES
+   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, add_gravity, &
+      write_deck, GLOBAL_AXES
    use accuracy_run, only: run_t, run_deck, series, times
    implicit none
    private

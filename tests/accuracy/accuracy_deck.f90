@@ -4,7 +4,8 @@ module accuracy_deck
    implicit none
    private
 
-   public :: deck_t, new_deck, add_body, add_joint, add_motion, add_curve, add_gravity, add_load, add_drive
+   public :: deck_t, new_deck, add_body, add_joint, add_motion, add_curve, add_gravity, add_load, &
+      add_drive
    public :: ramp_curve, write_deck, turn_about, GLOBAL_AXES
 
    character(len=1), parameter :: EOL = new_line('a')

@@ -3,14 +3,15 @@ module accuracy_extremes
    use kjoint, only: wp, run_options_t
    use kj_channels, only: OF_RUN, OF_JOINT, OF_BODY, OF_NODE
    use accuracy_check, only: check_t, below, within, holds, say
-   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, add_curve, ramp_curve, &
-      add_gravity, add_load, write_deck, turn_about, GLOBAL_AXES
+   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, add_curve, &
+      ramp_curve, add_gravity, add_load, write_deck, turn_about, GLOBAL_AXES
    use accuracy_run, only: run_t, run_deck, series, times, distance
    implicit none
    private
 
    public :: check_masses, check_stiffnesses, check_lengths, check_far, check_coincident
-   public :: check_opposite, check_turns, check_whole_turn, check_falling, check_weightless, check_loose, check_first_step
+   public :: check_opposite, check_turns, check_whole_turn, check_falling, check_weightless, &
+      check_loose, check_first_step
 
    real(wp), parameter :: NONE(6) = 0.0_wp
 

@@ -3,8 +3,8 @@ module accuracy_ledger
    use kjoint, only: wp, run_options_t
    use kj_channels, only: OF_RUN, OF_JOINT, OF_BODY
    use accuracy_check, only: check_t, below, within, holds, say
-   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, add_gravity, write_deck, &
-      turn_about
+   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, add_gravity, &
+      write_deck, turn_about
    use accuracy_run, only: run_t, run_deck, series, slope_of
    implicit none
    private

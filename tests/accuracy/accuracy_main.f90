@@ -3,8 +3,9 @@ program accuracy_main
    use accuracy_check, only: check_t, say, quit
    use accuracy_order, only: check_order, check_driven
    use accuracy_ledger, only: check_ledger, check_momentum, check_cycles
-   use accuracy_extremes, only: check_masses, check_stiffnesses, check_lengths, check_far, check_coincident, &
-      check_opposite, check_turns, check_whole_turn, check_falling, check_weightless, check_loose, check_first_step
+   use accuracy_extremes, only: check_masses, check_stiffnesses, check_lengths, check_far, &
+      check_coincident, check_opposite, check_turns, check_whole_turn, check_falling, &
+      check_weightless, check_loose, check_first_step
    use accuracy_bodies, only: check_free, check_top
    use accuracy_limits, only: check_limit, check_four_bar
    implicit none

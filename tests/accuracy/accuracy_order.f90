@@ -3,8 +3,8 @@ module accuracy_order
    use kjoint, only: wp, run_options_t
    use kj_channels, only: OF_BODY
    use accuracy_check, only: check_t, within, say
-   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, ramp_curve, add_gravity, &
-      add_load, add_drive, write_deck, turn_about
+   use accuracy_deck, only: deck_t, new_deck, add_body, add_joint, add_motion, ramp_curve, &
+      add_gravity, add_load, add_drive, write_deck, turn_about
    use accuracy_run, only: run_t, run_deck, distance, slope_of
    implicit none
    private

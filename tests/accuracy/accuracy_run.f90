@@ -1,7 +1,7 @@
 !> Runs of the accuracy tests: a deck in, its rows in memory out, and how to read them.
 module accuracy_run
-   use kjoint, only: wp, error_t, finding_list_t, simulation_t, run_options_t, run_status_t, monitor_t, &
-      load_simulation, run_simulation
+   use kjoint, only: wp, error_t, finding_list_t, simulation_t, run_options_t, run_status_t, &
+      monitor_t, load_simulation, run_simulation
    use kj_channels, only: find_channel, channels
    use kj_sink_memory, only: sink_memory_t
    use accuracy_check, only: say

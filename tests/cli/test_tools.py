@@ -75,7 +75,7 @@ class Style(unittest.TestCase):
 
     def test_lines_and_files_have_a_length(self):
         self.finds("101 columns", GOOD.replace("!> A thing", "!> A thing".ljust(98, "x")))
-        self.finds("more than 400", GOOD + "!\n" * 400)
+        self.finds("more than 600", GOOD + "!\n" * 600)
         self.finds("trailing blank", GOOD.replace("contains", "contains "))
         self.finds("tab", GOOD.replace("2*x", "2*\tx"))
 

@@ -13,12 +13,12 @@ program fuzz_main
    use kj_engine, only: engine_t, read_engine
    use kj_model, only: model_t
    use kj_build, only: build_model
-   use kj_state, only: state_t, new_state
-   use kj_step, only: find_accelerations, advance
-   use kj_c_state, only: c_model_t, c_state_t
-   use kj_c_build, only: build_c_model, new_c_state
-   use kj_c_bound, only: bound_t, new_bound, renew_bound
-   use kj_c_limits, only: nodal_bound
+   use kj_legacy_state, only: legacy_state_t, new_legacy_state
+   use kj_legacy_step, only: find_accelerations, advance
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_build, only: build_consistent_model, new_consistent_state
+   use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound
+   use kj_consistent_nodal_step, only: nodal_bound
    use fuzz_text, only: random_t, seed_random, below, mutate, load_text, save_text
    implicit none
 
@@ -125,11 +125,11 @@ contains
    subroutine run_some_cycles(model)
       type(model_t), intent(in) :: model
 
-      type(state_t) :: state
+      type(legacy_state_t) :: state
       type(error_t), allocatable :: error
       integer :: n
 
-      call new_state(model, state)
+      call new_legacy_state(model, state)
       do n = 1, CYCLES
          call find_accelerations(model, state, .true., error)
          if (allocated(error)) return
@@ -143,13 +143,13 @@ contains
    subroutine find_limits(model)
       type(model_t), intent(in) :: model
 
-      type(c_model_t) :: c
-      type(c_state_t) :: state
+      type(consistent_model_t) :: c
+      type(consistent_state_t) :: state
       type(bound_t) :: bound
       real(wp) :: h
 
-      call build_c_model(model, c)
-      call new_c_state(model, c, state)
+      call build_consistent_model(model, c)
+      call new_consistent_state(model, c, state)
       call new_bound(model, c, .false., state, bound)
       call nodal_bound(model, c, state, h)
       call renew_in_place(c, state, bound)
@@ -162,8 +162,8 @@ contains
    !> short as a step of the largest real can be, where the eigenvalue is no number. Beyond LONGEST
    !> there may be no limit at all.
    subroutine renew_in_place(c, state, bound)
-      type(c_model_t), intent(in) :: c
-      type(c_state_t), intent(inout) :: state
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(inout) :: state
       type(bound_t), intent(inout) :: bound
 
       real(wp), parameter :: ROUNDING = 1.0e-9_wp, SHORTEST = 2.1_wp/sqrt(huge(1.0_wp)), &

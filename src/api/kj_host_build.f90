@@ -1,0 +1,245 @@
+!> From what a host describes to joints that can be evaluated: a small model whose bodies are the
+!> carriers, so that all constants come about as those of a deck do.
+module kj_host_build
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_INPUT
+   use kj_curve, only: add_curve
+   use kj_host, only: joint_spec_t, joint_set_t, host_vector
+   use kj_host_check, only: check_spec, check_shape, check_nodes
+   use kj_host_joints, only: set_joints, HELD
+   use kj_host_start, only: begin_state, columns_of, host_quaternion, check_attitude
+   implicit none
+   private
+
+   public :: new_joint_set, add_joint_curve, add_joint, start_joints
+
+contains
+
+   !> An empty set for a host with n nodes.
+   !>
+   !> Errors: ERR_INPUT when the formulation is not 'legacy' or 'consistent', or n is negative.
+   subroutine new_joint_set(set, formulation, n, error, by_component)
+      type(joint_set_t), intent(out) :: set
+      !> 'legacy' (frames follow nodes and angular velocities as in Radioss) or 'consistent' (they
+      !> follow the attitudes of the carriers)
+      character(len=*), intent(in) :: formulation
+      integer, intent(in) :: n                   !! nodes of the host
+      type(error_t), allocatable, intent(out) :: error
+      !> arrays of the host are (n, 3), (n, 4); else (3, n), (4, n)
+      logical, intent(in), optional :: by_component
+
+      if (all(formulation /= ['legacy    ', 'consistent'])) then
+         call fail(error, ERR_INPUT, 'there is no formulation '//trim(formulation)// &
+            ': consistent or legacy')
+      else if (n < 0) then
+         call fail(error, ERR_INPUT, 'the number of nodes is negative')
+      else
+         set%legacy = formulation == 'legacy'
+         set%n_host = n
+         if (present(by_component)) set%by_component = by_component
+         allocate (set%spec(0))
+         set%made = .true.
+      end if
+   end subroutine new_joint_set
+
+   !> Add a function for the laws of joints that follow: at least two points, x ascending; straight
+   !> between them and beyond.
+   !>
+   !> Errors: ERR_INPUT when the points do not fit, or the joints have been started.
+   subroutine add_joint_curve(set, x, y, curve, error)
+      type(joint_set_t), intent(inout) :: set
+      real(wp), intent(in) :: x(:), y(:)
+      integer, intent(out) :: curve              !! its number, for joint_spec_t
+      type(error_t), allocatable, intent(out) :: error
+
+      curve = 0
+      call check_open(set, error)
+      if (allocated(error)) return
+      if (size(x) /= size(y) .or. size(x) < 2) then
+         call fail(error, ERR_INPUT, 'a curve needs as many ordinates as abscissae, two or more')
+      else if (.not. (all(ieee_is_finite(x)) .and. all(ieee_is_finite(y)))) then
+         call fail(error, ERR_INPUT, 'a point of the curve is not finite')
+      else if (.not. all(x(2:) > x(:size(x) - 1))) then
+         call fail(error, ERR_INPUT, 'the abscissae of the curve do not ascend')
+      else
+         call add_curve(set%model%curves, set%model%curves%n + 1, x, y)
+         curve = set%model%curves%n
+      end if
+   end subroutine add_joint_curve
+
+   !> Add a joint; they are numbered from 1 in the order in which they come.
+   !>
+   !> Errors: ERR_INPUT when anything of it does not fit, or the joints have been started.
+   subroutine add_joint(set, spec, error)
+      type(joint_set_t), intent(inout) :: set
+      type(joint_spec_t), intent(in) :: spec
+      type(error_t), allocatable, intent(out) :: error
+
+      type(joint_spec_t), allocatable :: longer(:)
+
+      call check_open(set, error)
+      if (allocated(error)) return
+      call check_spec(set, spec, error)
+      if (allocated(error)) return
+      if (set%n_spec == size(set%spec)) then     ! half as many again: no more than 3 moves a joint
+         allocate (longer(16 + set%n_spec + set%n_spec/2))
+         longer(:set%n_spec) = set%spec
+         call move_alloc(longer, set%spec)
+      end if
+      set%n_spec = set%n_spec + 1
+      set%spec(set%n_spec) = spec
+   end subroutine add_joint
+
+   !> The set takes joints
+   subroutine check_open(set, error)
+      type(joint_set_t), intent(in) :: set
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. set%made) then
+         call fail(error, ERR_INPUT, 'the set of joints has not been made: call new_joint_set')
+      else if (set%started) then
+         call fail(error, ERR_INPUT, 'the joints have been started: none can be added')
+      end if
+   end subroutine check_open
+
+   !> Fix the joints in the present places of the nodes, where they are free of force.
+   !>
+   !> Masses go into the damping of blocked directions and into the critical step. Mass 0: the host
+   !> holds or drives the carrier. Inertia 0: it does not turn.
+   !> Errors: ERR_INPUT when shapes do not fit or a value of a node of a joint is not finite or
+   !> negative, when both carriers of a joint are held, when its axes do not exist.
+   subroutine start_joints(set, x, mass, inertia, error, attitude)
+      type(joint_set_t), intent(inout) :: set
+      real(wp), intent(in) :: x(:, :)            !! positions, W, (3, n)
+      real(wp), intent(in) :: mass(:)            !! (n)
+      !> principal inertia about the node, along the axes of its attitude, (3, n)
+      real(wp), intent(in) :: inertia(:, :)
+      type(error_t), allocatable, intent(out) :: error
+      !> quaternions w x y z, world from axes of the node, (4, n); consistent needs them
+      real(wp), intent(in), optional :: attitude(:, :)
+
+      call check_open(set, error)
+      if (.not. allocated(error)) call check_shape(set, x, 'x', error)
+      if (.not. allocated(error)) call check_shape(set, inertia, 'inertia', error)
+      if (.not. allocated(error)) call check_attitude(set, .not. set%legacy, error, attitude)
+      if (allocated(error)) return
+      if (size(mass) /= set%n_host) then
+         call fail(error, ERR_INPUT, 'the array mass has '//str(size(mass))// &
+            ' values, expected: '//str(set%n_host))
+         return
+      end if
+      call number_nodes(set, error)
+      if (.not. allocated(error)) call check_nodes(set, x, size(set%host), 'x', error)
+      if (.not. allocated(error)) call set_scene(set, x, mass, inertia, error, attitude)
+      if (.not. allocated(error)) call set_joints(set, error)
+      if (.not. allocated(error)) call begin_state(set, error, attitude)
+      if (allocated(error)) set%made = .false.   ! half numbered: it takes a new set
+   end subroutine start_joints
+
+   !> Carriers first, ascending; then the other nodes of the joints
+   subroutine number_nodes(set, error)
+      type(joint_set_t), intent(inout) :: set
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: lead(set%n_host), new(set%n_host), j, e, i, n
+      logical :: seen(set%n_host)
+
+      lead = 0
+      seen = .false.
+      do j = 1, set%n_spec
+         associate (s => set%spec(j))
+            do e = 1, 2
+               i = merge(s%carrier(e), s%node(e), s%carrier(e) > 0)
+               if (lead(s%node(e)) > 0 .and. lead(s%node(e)) /= i) then
+                  call fail(error, ERR_INPUT, 'node '//str(s%node(e))//' has two carriers')
+                  return
+               end if
+               lead(s%node(e)) = i
+               seen(i) = .true.
+            end do
+         end associate
+      end do
+      do i = 1, set%n_host
+         if (seen(i) .and. lead(i) > 0 .and. lead(i) /= i) then
+            call fail(error, ERR_INPUT, 'carrier '//str(i)//' is carried by another')
+            return
+         end if
+      end do
+      set%host = pack([(i, i=1, set%n_host)], seen)
+      set%model%n_lead = size(set%host)
+      set%model%n_body = set%model%n_lead
+      where (seen) lead = [(i, i=1, set%n_host)]
+      do j = 1, set%n_spec
+         do e = 1, 2
+            do n = 1, 3
+               i = set%spec(j)%axis_node(n, e)
+               if (i > 0) then
+                  if (lead(i) == 0) lead(i) = lead(set%spec(j)%node(e))
+               end if
+            end do
+         end do
+      end do
+      set%host = [set%host, pack([(i, i=1, set%n_host)], lead > 0 .and. .not. seen)]
+      new = 0
+      new(set%host) = [(i, i=1, size(set%host))]
+      set%model%n_node = size(set%host)
+      set%model%node_id = set%host
+      set%model%lead = new(lead(set%host))
+      do j = 1, set%n_spec
+         associate (s => set%spec(j))
+            s%node = new(s%node)
+            do e = 1, 2
+               if (s%axis_node(1, e) > 0) s%axis_node(:, e) = new(s%axis_node(:, e))
+            end do
+         end associate
+      end do
+   end subroutine number_nodes
+
+   !> Nodes and masses of the small model, and nothing that loads or holds it
+   subroutine set_scene(set, x, mass, inertia, error, attitude)
+      type(joint_set_t), intent(inout) :: set
+      real(wp), intent(in) :: x(:, :), mass(:), inertia(:, :)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: attitude(:, :)
+
+      real(wp) :: own(3)
+      integer :: i
+
+      associate (m => set%model, n => set%model%n_lead)
+         allocate (m%x0(m%n_node, 3), m%v0(m%n_node, 3), m%w0(n, 3), m%mass(n), m%inertia(n), &
+            m%principal(n, 3), m%axes(n, 9), source=0.0_wp)
+         allocate (m%n_secondary(n), source=0)
+         m%body_id = m%node_id(:n)
+         allocate (m%bcs(0), m%gravity(0), m%cload(0), m%motion(0), m%th_joint(0), m%th_body(0), &
+            m%th_spring(0), m%th_node(0), m%th_node_skew(0))
+         do i = 1, m%n_node
+            m%x0(i, :) = host_vector(set, x, set%host(i))
+         end do
+         do i = 1, n
+            own = host_vector(set, inertia, set%host(i))
+            if (.not. (ieee_is_finite(mass(set%host(i))) .and. all(ieee_is_finite(own))) .or. &
+               mass(set%host(i)) < 0.0_wp .or. any(own < 0.0_wp)) then
+               call fail(error, ERR_INPUT, 'mass or inertia of node '//str(set%host(i))// &
+                  ' is negative or not finite')
+               return
+            end if
+            m%mass(i) = mass(set%host(i))
+            m%principal(i, :) = own
+            if (.not. m%mass(i) > 0.0_wp) then
+               m%mass(i) = HELD
+               m%principal(i, :) = HELD
+            end if
+            m%inertia(i) = minval(m%principal(i, :))
+            m%axes(i, :) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
+            if (present(attitude)) &
+               m%axes(i, :) = columns_of(host_quaternion(set, attitude, set%host(i)))
+         end do
+         if (.not. allocated(m%curves%id)) then
+            allocate (m%curves%id(0), m%curves%x(0), m%curves%y(0))
+            allocate (m%curves%first(1), source=1)
+         end if
+      end associate
+   end subroutine set_scene
+
+end module kj_host_build

@@ -1,0 +1,230 @@
+!> State of the joints of a host as a flat array: saved, and restored to go on with the same bits.
+module kj_host_state
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_INPUT
+   use kj_joint_batch, only: joint_state_t
+   use kj_consistent_batch, only: consistent_joint_t
+   use kj_host, only: joint_set_t
+   implicit none
+   private
+
+   public :: joint_state_size, save_joints, restore_joints
+
+   real(wp), parameter :: VERSION = 1.0_wp        !! of the layout
+   integer, parameter :: HEAD = 6                 !! version, formulation, joints, size, time, step
+
+   !> Where packing stands
+   type :: tape_t
+      real(wp), allocatable :: a(:)
+      integer :: at = 0                          !! numbers passed so far
+      logical :: write = .false.                 !! into the array, else out of it
+   end type tape_t
+
+contains
+
+   !> Numbers in the state of a set, 0 before the start
+   integer function joint_state_size(set) result(n)
+      type(joint_set_t), intent(in) :: set
+
+      type(tape_t) :: tape
+
+      n = 0
+      if (.not. set%started) return
+      allocate (tape%a(0))
+      call read_state(set, tape)
+      n = HEAD + tape%at
+   end function joint_state_size
+
+   !> State of all joints. Errors: ERR_INPUT when the array has not joint_state_size(set) numbers
+   subroutine save_joints(set, state, error)
+      type(joint_set_t), intent(in) :: set
+      real(wp), intent(inout) :: state(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      type(tape_t) :: tape
+
+      call check_size(set, size(state), error)
+      if (allocated(error)) return
+      allocate (tape%a(size(state)))
+      state(:HEAD) = heading(set, size(state))
+      tape%write = .true.
+      call read_state(set, tape)
+      state(HEAD + 1:) = tape%a(:size(state) - HEAD)
+   end subroutine save_joints
+
+   !> Go back to a saved state of the same joints.
+   !>
+   !> Errors: ERR_INPUT when the array is not a state of these joints; they are as before then.
+   subroutine restore_joints(set, state, error)
+      type(joint_set_t), intent(inout) :: set
+      real(wp), intent(in) :: state(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      type(tape_t) :: tape
+
+      call check_size(set, size(state), error)
+      if (allocated(error)) return
+      associate (expected => heading(set, size(state)))
+         if (any(abs(state(:4) - expected(:4)) > 0.0_wp) .or. &
+            .not. all(ieee_is_finite(state(:HEAD)))) then
+            call fail(error, ERR_INPUT, 'the array is no state of these joints')
+            return
+         end if
+      end associate
+      tape%a = state(HEAD + 1:)
+      call pass_state(set, tape)
+      set%h_last = state(6)
+      if (set%legacy) set%state%time = state(5)
+      if (.not. set%legacy) set%cs%time = state(5)
+   end subroutine restore_joints
+
+   subroutine check_size(set, n, error)
+      type(joint_set_t), intent(in) :: set
+      integer, intent(in) :: n
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. set%started) then
+         call fail(error, ERR_INPUT, 'the joints have not been started')
+      else if (n /= joint_state_size(set)) then
+         call fail(error, ERR_INPUT, 'the state has '//str(joint_state_size(set))// &
+            ' numbers, not '//str(n))
+      end if
+   end subroutine check_size
+
+   pure function heading(set, n) result(a)
+      type(joint_set_t), intent(in) :: set
+      integer, intent(in) :: n
+      real(wp) :: a(HEAD)
+
+      real(wp) :: time
+
+      time = set%cs%time
+      if (set%legacy) time = set%state%time
+      a = [VERSION, merge(1.0_wp, 2.0_wp, set%legacy), real(set%model%n_joint, wp), real(n, wp), &
+         time, set%h_last]
+   end function heading
+
+   !> State of all batches onto the tape, or its size
+   subroutine read_state(set, tape)
+      type(joint_set_t), intent(in) :: set
+      type(tape_t), intent(inout) :: tape
+
+      type(joint_state_t), allocatable :: legacy(:)
+      type(consistent_joint_t), allocatable :: consistent(:)
+      integer :: b
+
+      if (set%legacy) then
+         legacy = set%state%joint
+         do b = 1, size(legacy)
+            call pass_legacy(legacy(b), tape)
+         end do
+      else
+         consistent = set%cs%joint
+         do b = 1, size(consistent)
+            call pass_consistent(consistent(b), tape)
+         end do
+      end if
+   end subroutine read_state
+
+   !> State of all batches off the tape
+   subroutine pass_state(set, tape)
+      type(joint_set_t), intent(inout) :: set
+      type(tape_t), intent(inout) :: tape
+
+      integer :: b
+
+      do b = 1, size(set%model%batch)
+         if (set%legacy) call pass_legacy(set%state%joint(b), tape)
+         if (.not. set%legacy) call pass_consistent(set%cs%joint(b), tape)
+      end do
+   end subroutine pass_state
+
+   subroutine pass_legacy(joint, tape)
+      type(joint_state_t), intent(inout) :: joint
+      type(tape_t), intent(inout) :: tape
+
+      call pass2(joint%e, tape)
+      call pass2(joint%q, tape)
+      call pass2(joint%f, tape)
+      call pass1(joint%energy, tape)
+      call pass2(joint%qdot, tape)
+      call pass2(joint%stiff, tape)
+      if (.not. allocated(joint%flag)) return
+      call pass2(joint%k_block, tape)
+      call pass2(joint%friction, tape)
+      call pass1(joint%slip_energy, tape)
+      call pass1(joint%stored, tape)
+      call pass2(joint%q_lock, tape)
+      call pass_marks(joint%locked, joint%flag, tape)
+   end subroutine pass_legacy
+
+   subroutine pass_consistent(joint, tape)
+      type(consistent_joint_t), intent(inout) :: joint
+      type(tape_t), intent(inout) :: tape
+
+      integer :: k, rows
+
+      call pass2(joint%q, tape)
+      call pass2(joint%fe, tape)
+      call pass2(joint%fd, tape)
+      call pass1(joint%elastic, tape)
+      call pass1(joint%dissipated, tape)
+      do k = 1, size(joint%b, 3)
+         rows = min(size(joint%b, 1), size(joint%q, 1) - (k - 1)*size(joint%b, 1))
+         call pass2(joint%b(:rows, :, k), tape)
+      end do
+      call pass2(joint%qd, tape)
+      if (.not. allocated(joint%flag)) return
+      call pass2(joint%friction, tape)
+      call pass2(joint%grip, tape)
+      call pass2(joint%c_limit, tape)
+      call pass2(joint%c_round, tape)
+      call pass2(joint%to_round, tape)
+      call pass1(joint%slip_energy, tape)
+      call pass1(joint%stored, tape)
+      call pass2(joint%q_lock, tape)
+      call pass_marks(joint%locked, joint%flag, tape)
+   end subroutine pass_consistent
+
+   subroutine pass_marks(locked, flag, tape)
+      logical, intent(inout) :: locked(:)
+      integer, intent(inout) :: flag(:, :)
+      type(tape_t), intent(inout) :: tape
+
+      real(wp) :: number(size(locked)), marks(size(flag, 1), size(flag, 2))
+
+      number = merge(1.0_wp, 0.0_wp, locked)
+      marks = real(flag, wp)
+      call pass1(number, tape)
+      call pass2(marks, tape)
+      locked = number > 0.5_wp
+      flag = nint(marks)
+   end subroutine pass_marks
+
+   subroutine pass2(values, tape)
+      real(wp), intent(inout) :: values(:, :)
+      type(tape_t), intent(inout) :: tape
+
+      integer :: k
+
+      do k = 1, size(values, 2)
+         call pass1(values(:, k), tape)
+      end do
+   end subroutine pass2
+
+   !> Numbers onto the tape, off it, or, when it is empty, only counted
+   subroutine pass1(values, tape)
+      real(wp), intent(inout) :: values(:)
+      type(tape_t), intent(inout) :: tape
+
+      associate (from => tape%at + 1, to => tape%at + size(values))
+         if (size(tape%a) >= to) then
+            if (tape%write) tape%a(from:to) = values
+            if (.not. tape%write) values = tape%a(from:to)
+         end if
+         tape%at = tape%at + size(values)
+      end associate
+   end subroutine pass1
+
+end module kj_host_state

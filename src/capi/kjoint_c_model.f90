@@ -1,0 +1,331 @@
+!> C functions of a model and its run: convert, call, convert back. include/kjoint.h is their
+!> documentation.
+module kjoint_c_model
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_funptr, c_char, c_int, c_size_t, c_double, &
+      c_long_long, c_f_pointer, c_f_procpointer, c_loc, c_associated, c_null_ptr, c_null_char
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, ERR_INPUT
+   use kj_history, only: history_t
+   use kjoint, only: run_options_t, run_status_t, monitor_t, load_simulation, run_simulation, &
+      start_simulation, advance_simulation, step_simulation, simulation_status, &
+      simulation_history, sample_simulation
+   use kjoint_c_base, only: model_box_t, find_model, outcome, refuse, get_text, fixed_text, &
+      put_text, list_findings, OK, MARK_MODEL
+   implicit none
+   private
+
+   public :: kj_options_init, kj_model_load, kj_model_free, kj_model_message, kj_model_title, &
+      kj_model_warnings, kj_model_run, kj_model_start, kj_model_advance, kj_model_step, &
+      kj_model_sample, kj_model_status
+
+   !> kj_options
+   type, bind(c) :: c_options_t
+      character(kind=c_char) :: formulation(16), integrator(16), dt_rule(16)
+      real(c_double) :: until, sample, dt_scale, kn_scale, energy_limit
+      integer(c_int) :: ignore_unsupported, threads
+   end type c_options_t
+
+   !> kj_run_status
+   type, bind(c) :: c_status_t
+      integer(c_long_long) :: cycle
+      real(c_double) :: time, time_end, time_step, kinetic, internal, work, energy_error
+      integer(c_int) :: n_joint, n_body, n_node, n_sample
+   end type c_status_t
+
+   abstract interface
+      !> kj_tick
+      integer(c_int) function watch_i(status, user) bind(c)
+         import :: c_int, c_ptr, c_status_t
+         type(c_status_t), intent(in) :: status
+         type(c_ptr), value :: user
+      end function watch_i
+   end interface
+
+   !> A watcher in C
+   type, extends(monitor_t) :: c_monitor_t
+      procedure(watch_i), pointer, nopass :: call_back => null()
+      type(c_ptr) :: user = c_null_ptr
+   contains
+      procedure :: tick
+   end type c_monitor_t
+
+contains
+
+   !> See kjoint.h
+   integer(c_int) function kj_options_init(options) bind(c) result(status)
+      type(c_ptr), value :: options
+
+      type(c_options_t), pointer :: o
+      type(run_options_t) :: default
+
+      status = ERR_INPUT
+      if (.not. c_associated(options)) return
+      call c_f_pointer(options, o)
+      o%formulation = c_null_char
+      o%integrator = c_null_char
+      o%dt_rule = c_null_char
+      o%until = default%until
+      o%sample = default%sample
+      o%dt_scale = default%dt_scale
+      o%kn_scale = default%kn_scale
+      o%energy_limit = default%energy_limit
+      o%ignore_unsupported = 0
+      o%threads = 1
+      status = OK
+   end function kj_options_init
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_load(starter, engine, options, model, message, size) bind(c) &
+      result(status)
+      type(c_ptr), value :: starter, engine, options, model, message
+      integer(c_size_t), value :: size
+
+      type(model_box_t), pointer :: box
+      type(c_ptr), pointer :: handle
+      type(run_options_t) :: chosen
+      type(error_t), allocatable :: error
+      character(len=:), allocatable :: text, deck, controls
+
+      text = ''
+      status = ERR_INPUT
+      if (.not. (c_associated(model) .and. c_associated(starter))) then
+         call put_text('starter or model is null', message, size)
+         return
+      end if
+      call c_f_pointer(model, handle)
+      handle = c_null_ptr
+      if (c_associated(options)) call take_options(options, chosen)
+      allocate (box)
+      call get_text(starter, deck)
+      call get_text(engine, controls)
+      call load_simulation(box%sim, deck, controls, chosen, box%findings, error)
+      status = outcome(error, text)
+      if (status == OK .and. box%findings%n_error > 0) then
+         status = ERR_INPUT
+         call list_findings(box%findings, .true., text)
+      end if
+      call put_text(text, message, size)
+      if (status /= OK) then
+         deallocate (box)
+         return
+      end if
+      box%mark = MARK_MODEL
+      box%message = ''
+      handle = c_loc(box)
+   end function kj_model_load
+
+   subroutine take_options(pointer, chosen)
+      type(c_ptr), intent(in) :: pointer
+      type(run_options_t), intent(out) :: chosen
+
+      type(c_options_t), pointer :: o
+
+      call c_f_pointer(pointer, o)
+      chosen%formulation = fixed_text(o%formulation)
+      chosen%integrator = fixed_text(o%integrator)
+      chosen%dt_rule = fixed_text(o%dt_rule)
+      chosen%until = o%until
+      chosen%sample = o%sample
+      chosen%dt_scale = o%dt_scale
+      chosen%kn_scale = o%kn_scale
+      chosen%energy_limit = o%energy_limit
+      chosen%ignore_unsupported = o%ignore_unsupported /= 0
+      chosen%threads = max(1, int(o%threads))
+   end subroutine take_options
+
+   !> See kjoint.h
+   subroutine kj_model_free(model) bind(c)
+      type(c_ptr), value :: model
+
+      type(model_box_t), pointer :: box
+
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      box%mark = 0
+      deallocate (box)
+   end subroutine kj_model_free
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_message(model, buffer, size) bind(c) result(status)
+      type(c_ptr), value :: model, buffer
+      integer(c_size_t), value :: size
+
+      type(model_box_t), pointer :: box
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      call put_text(box%message, buffer, size)
+      status = OK
+   end function kj_model_message
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_title(model, buffer, size) bind(c) result(status)
+      type(c_ptr), value :: model, buffer
+      integer(c_size_t), value :: size
+
+      type(model_box_t), pointer :: box
+      type(history_t) :: history
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      history = simulation_history(box%sim)
+      call put_text(history%title, buffer, size)
+      status = OK
+   end function kj_model_title
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_warnings(model, buffer, size) bind(c) result(status)
+      type(c_ptr), value :: model, buffer
+      integer(c_size_t), value :: size
+
+      type(model_box_t), pointer :: box
+      character(len=:), allocatable :: text
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      call list_findings(box%findings, .false., text)
+      call put_text(text, buffer, size)
+      status = OK
+   end function kj_model_warnings
+
+   !> Ask the watcher
+   subroutine tick(self, status, stop)
+      class(c_monitor_t), intent(inout) :: self
+      type(run_status_t), intent(in) :: status
+      logical, intent(out) :: stop
+
+      stop = .false.
+      if (associated(self%call_back)) stop = self%call_back(c_status(status), self%user) /= 0
+   end subroutine tick
+
+   pure function c_status(status) result(c)
+      type(run_status_t), intent(in) :: status
+      type(c_status_t) :: c
+
+      c%cycle = status%cycle
+      c%time = status%time
+      c%time_end = status%t_stop
+      c%time_step = status%time_step
+      c%kinetic = status%kinetic
+      c%internal = status%internal
+      c%work = status%work
+      c%energy_error = status%energy_error
+      c%n_joint = int(status%n_joint, c_int)
+      c%n_body = int(status%n_body, c_int)
+      c%n_node = int(status%n_node, c_int)
+      c%n_sample = int(status%n_sample, c_int)
+   end function c_status
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_run(model, tick, user) bind(c) result(status)
+      type(c_ptr), value :: model, user
+      type(c_funptr), value :: tick
+
+      type(model_box_t), pointer :: box
+      type(c_monitor_t) :: monitor
+      procedure(watch_i), pointer :: call_back
+      type(error_t), allocatable :: error
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      if (c_associated(tick)) then
+         call c_f_procpointer(tick, call_back)
+         monitor%call_back => call_back
+      end if
+      monitor%user = user
+      box%stepping = .false.
+      call run_simulation(box%sim, box%samples, monitor, box%status, error)
+      status = outcome(error, box%message)
+   end function kj_model_run
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_start(model) bind(c) result(status)
+      type(c_ptr), value :: model
+
+      type(model_box_t), pointer :: box
+      type(error_t), allocatable :: error
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      call start_simulation(box%sim, error)
+      if (.not. allocated(error)) call box%samples%open(simulation_history(box%sim), error)
+      box%stepping = .not. allocated(error)
+      status = outcome(error, box%message)
+   end function kj_model_start
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_advance(model, until) bind(c) result(status)
+      type(c_ptr), value :: model
+      real(c_double), value :: until
+
+      type(model_box_t), pointer :: box
+      type(error_t), allocatable :: error
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      call advance_simulation(box%sim, until, error)
+      status = outcome(error, box%message)
+   end function kj_model_advance
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_step(model) bind(c) result(status)
+      type(c_ptr), value :: model
+
+      type(model_box_t), pointer :: box
+      type(error_t), allocatable :: error
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      call step_simulation(box%sim, error)
+      status = outcome(error, box%message)
+   end function kj_model_step
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_sample(model) bind(c) result(status)
+      type(c_ptr), value :: model
+
+      type(model_box_t), pointer :: box
+      type(history_t) :: history
+      type(error_t), allocatable :: error
+      real(wp), allocatable :: row(:)
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      history = simulation_history(box%sim)
+      allocate (row(history%n_value))
+      call sample_simulation(box%sim, row, error)
+      if (.not. allocated(error)) call box%samples%put(row, error)
+      status = outcome(error, box%message)
+   end function kj_model_sample
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_status(model, now) bind(c, name='kj_model_status') &
+      result(status)
+      type(c_ptr), value :: model, now
+
+      type(model_box_t), pointer :: box
+      type(c_status_t), pointer :: c
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      if (.not. c_associated(now)) then
+         status = refuse('status is null', box%message)
+         return
+      end if
+      call c_f_pointer(now, c)
+      if (box%stepping) box%status = simulation_status(box%sim)
+      box%status%n_sample = box%samples%n_row
+      c = c_status(box%status)
+      status = OK
+   end function kj_model_status
+
+end module kjoint_c_model

@@ -1,0 +1,158 @@
+!> C functions of the samples that a model keeps in memory. include/kjoint.h is their documentation.
+module kjoint_c_samples
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_size_t, c_double, c_f_pointer, &
+      c_associated
+   use kj_error, only: error_t, fail, str, ERR_INPUT
+   use kj_units, only: unit_text
+   use kj_version, only: KJOINT_VERSION
+   use kj_history, only: history_t, variable_t
+   use kj_channels, only: channels, groups
+   use kjoint, only: simulation_history
+   use kjoint_c_base, only: model_box_t, find_model, outcome, refuse, get_text, put_text, OK
+   implicit none
+   private
+
+   public :: kj_version, kj_model_channels, kj_model_shape, kj_model_series, kj_model_unit
+
+contains
+
+   !> See kjoint.h
+   integer(c_int) function kj_version(buffer, size) bind(c, name='kj_version') result(status)
+      type(c_ptr), value :: buffer
+      integer(c_size_t), value :: size
+
+      status = OK
+      if (.not. c_associated(buffer)) status = ERR_INPUT
+      call put_text(KJOINT_VERSION, buffer, size)
+   end function kj_version
+
+   !> Name of a variable as in the history file
+   function name_of(v) result(name)
+      type(variable_t), intent(in) :: v
+      character(len=40) :: name
+
+      associate (c => channels(v%channel))
+         name = c%name
+         if (len_trim(groups(c%owner)%path) > 0) name = trim(groups(c%owner)%path)//'/'//c%name
+      end associate
+   end function name_of
+
+   !> A variable of the samples of a model. Errors: ERR_INPUT
+   subroutine find_variable(box, channel, v, error)
+      type(model_box_t), intent(in) :: box
+      type(c_ptr), intent(in) :: channel
+      type(variable_t), intent(out) :: v
+      type(error_t), allocatable, intent(out) :: error
+
+      type(history_t) :: history
+      character(len=:), allocatable :: name
+      integer :: i
+
+      call get_text(channel, name)
+      history = simulation_history(box%sim)
+      do i = 1, size(history%variable)
+         v = history%variable(i)
+         if (name_of(v) == name) return
+      end do
+      call fail(error, ERR_INPUT, 'the history has no channel '//name)
+   end subroutine find_variable
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_channels(model, buffer, size) bind(c) result(status)
+      type(c_ptr), value :: model, buffer
+      integer(c_size_t), value :: size
+
+      type(model_box_t), pointer :: box
+      type(history_t) :: history
+      character(len=:), allocatable :: text
+      integer :: i
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      history = simulation_history(box%sim)
+      text = trim(name_of(history%variable(1)))
+      do i = 2, ubound(history%variable, 1)
+         text = text//new_line('a')//trim(name_of(history%variable(i)))
+      end do
+      call put_text(text, buffer, size)
+      status = OK
+   end function kj_model_channels
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_shape(model, channel, n_row, n_entity, n_comp) bind(c) &
+      result(status)
+      type(c_ptr), value :: model, channel, n_row, n_entity, n_comp
+
+      type(model_box_t), pointer :: box
+      type(variable_t) :: v
+      type(error_t), allocatable :: error
+      integer(c_int), pointer :: number
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      if (.not. (c_associated(n_row) .and. c_associated(n_entity) .and. c_associated(n_comp))) then
+         status = refuse('n_row, n_entity or n_comp is null', box%message)
+         return
+      end if
+      call find_variable(box, channel, v, error)
+      status = outcome(error, box%message)
+      if (status /= OK) return
+      call c_f_pointer(n_row, number)
+      number = int(box%samples%n_row, c_int)
+      call c_f_pointer(n_entity, number)
+      number = int(v%n_entity, c_int)
+      call c_f_pointer(n_comp, number)
+      number = int(v%n_comp, c_int)
+   end function kj_model_shape
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_series(model, channel, count, values) bind(c) result(status)
+      type(c_ptr), value :: model, channel, values
+      integer(c_int), value :: count
+
+      type(model_box_t), pointer :: box
+      type(variable_t) :: v
+      type(error_t), allocatable :: error
+      real(c_double), pointer :: series(:, :)
+      integer :: width
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      call find_variable(box, channel, v, error)
+      status = outcome(error, box%message)
+      if (status /= OK) return
+      width = v%n_entity*v%n_comp
+      if (count /= width*box%samples%n_row .or. .not. c_associated(values)) then
+         status = refuse('the channel has '//str(width*box%samples%n_row)//' values, count is '// &
+            str(int(count))//', or values is null', box%message)
+         return
+      end if
+      call c_f_pointer(values, series, [width, box%samples%n_row])
+      if (box%samples%n_row > 0) &
+         series = box%samples%rows(v%first:v%first + width - 1, :box%samples%n_row)
+   end function kj_model_series
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_unit(model, channel, buffer, size) bind(c) result(status)
+      type(c_ptr), value :: model, channel, buffer
+      integer(c_size_t), value :: size
+
+      type(model_box_t), pointer :: box
+      type(variable_t) :: v
+      type(error_t), allocatable :: error
+      type(history_t) :: history
+
+      status = ERR_INPUT
+      call find_model(model, box)
+      if (.not. associated(box)) return
+      call find_variable(box, channel, v, error)
+      status = outcome(error, box%message)
+      if (status /= OK) return
+      history = simulation_history(box%sim)
+      call put_text(unit_text(channels(v%channel)%dim, history%units), buffer, size)
+   end function kj_model_unit
+
+end module kjoint_c_samples

@@ -1,0 +1,170 @@
+!> First state of the consistent formulation, with the automatic stiffness of KJOINT2 joints (Kn =
+!> 0).
+!>
+!> Rule: all blocked directions of such a joint get the same frequency, K = w^2 m with m their
+!> effective mass or inertia, and w is as high as the wanted step allows: factor times the safe
+!> bound of the scene is the largest step of the deck (/DTIX), or, where the rest of the scene asks
+!> for less, nine tenths of what that asks for. Then SCF scales the result.
+module kj_consistent_auto_stiffness
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_RUN
+   use kj_joint_types, only: joint_types, NDOF
+   use kj_joint_batch, only: LAW_SPRING, LAW_DAMPER
+   use kj_model, only: model_t
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_build, only: build_consistent_model, new_consistent_state
+   use kj_consistent_safe_step, only: bound_t, new_bound
+   use kj_consistent_impact_step, only: step_factor
+   implicit none
+   private
+
+   public :: start_scene
+
+   real(wp), parameter :: SHARE = 0.9_wp         !! of the step of the other limits
+   real(wp), parameter :: NO_STEP = 9.0e4_wp     !! a step above this is none
+   integer, parameter :: HALVINGS = 30
+
+contains
+
+   !> Constants and state at t = 0.
+   !>
+   !> Errors: ERR_RUN when a joint takes its stiffness from the step, and nothing limits that.
+   subroutine start_scene(model, explicit, c, state, error)
+      type(model_t), intent(in) :: model
+      logical, intent(in) :: explicit            !! damping shortens the step
+      type(consistent_model_t), intent(out) :: c
+      type(consistent_state_t), intent(out) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: wanted
+
+      call build_consistent_model(model, c)
+      call new_consistent_state(model, c, state)
+      if (.not. any_automatic(model)) return
+      call set_stiffness(model, 0.0_wp, c)
+      wanted = min(model%control%dt_max, SHARE*step_of(model, c, explicit, state))
+      if (.not. wanted < NO_STEP) then
+         call fail(error, ERR_RUN, 'joint '//str(first_automatic(model))// &
+            ' takes its stiffness from the time step, but nothing limits that: give /DTIX')
+         return
+      end if
+      call find_stiffness(model, explicit, wanted, state, c)
+      call scale_stiffness(model, c)
+      call new_consistent_state(model, c, state)
+   end subroutine start_scene
+
+   pure logical function any_automatic(model) result(any_one)
+      type(model_t), intent(in) :: model
+
+      any_one = first_automatic(model) > 0
+   end function any_automatic
+
+   !> User id of the first joint with automatic stiffness, 0 = none
+   pure integer function first_automatic(model) result(id)
+      type(model_t), intent(in) :: model
+
+      integer :: j
+
+      do j = 1, model%n_joint
+         associate (b => model%batch(model%joint(j)%batch))
+            if (.not. b%limited) cycle
+            id = model%joint(j)%id
+            if (b%limit%automatic(model%joint(j)%place)) return
+         end associate
+      end do
+      id = 0
+   end function first_automatic
+
+   !> Step of the scene: factor times the safe bound
+   real(wp) function step_of(model, c, explicit, state) result(h)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      logical, intent(in) :: explicit
+      type(consistent_state_t), intent(inout) :: state
+
+      type(bound_t) :: bound
+
+      call new_bound(model, c, explicit, state, bound)
+      h = step_factor(model)*min(bound%h, 1.0e30_wp)
+   end function step_of
+
+   !> The largest frequency whose step is not below the wanted one, by bisection of its logarithm
+   !> between an upper limit and a thousandth of it
+   subroutine find_stiffness(model, explicit, wanted, state, c)
+      type(model_t), intent(in) :: model
+      logical, intent(in) :: explicit
+      real(wp), intent(in) :: wanted
+      type(consistent_state_t), intent(inout) :: state
+      type(consistent_model_t), intent(inout) :: c
+
+      real(wp) :: low, high, middle
+      integer :: i
+
+      high = 2.0_wp*step_factor(model)/wanted   ! one free direction alone
+      low = 1.0e-3_wp*high
+      do i = 1, HALVINGS
+         middle = sqrt(low*high)
+         call set_stiffness(model, middle, c)
+         if (step_of(model, c, explicit, state) >= wanted) then
+            low = middle
+         else
+            high = middle
+         end if
+      end do
+      call set_stiffness(model, low, c)
+   end subroutine find_stiffness
+
+   !> K = w^2 m of the blocked directions of all automatic joints, and their damping; stops and
+   !> locks without a stiffness of their own get the largest
+   subroutine set_stiffness(model, omega, c)
+      type(model_t), intent(in) :: model
+      real(wp), intent(in) :: omega
+      type(consistent_model_t), intent(inout) :: c
+
+      integer :: b, i, dof
+
+      do b = 1, size(c%batch)
+         if (.not. c%batch(b)%limited) cycle
+         if (.not. any(c%batch(b)%limit%automatic)) cycle
+         associate (batch => c%batch(b))
+            do dof = 1, NDOF
+               if (joint_types(batch%row)%free(dof) == 1) cycle
+               batch%law(dof) = LAW_SPRING + LAW_DAMPER
+               do i = 1, batch%n
+                  if (.not. batch%limit%automatic(i)) cycle
+                  batch%k(i, dof) = omega**2*batch%inertia(i, dof)
+                  batch%c(i, dof) = model%batch(b)%cr(i)*omega*batch%inertia(i, dof)
+               end do
+            end do
+            do i = 1, batch%n
+               if (.not. batch%limit%automatic(i)) cycle
+               batch%limit%k_block(i, 1) = omega**2*maxval(batch%inertia(i, 1:3))
+               batch%limit%k_block(i, 2) = omega**2*maxval(batch%inertia(i, 4:6))
+            end do
+         end associate
+      end do
+   end subroutine set_stiffness
+
+   !> SCF times the automatic stiffness
+   subroutine scale_stiffness(model, c)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(inout) :: c
+
+      real(wp) :: s
+      integer :: b, i
+
+      do b = 1, size(c%batch)
+         if (.not. c%batch(b)%limited) cycle
+         do i = 1, c%batch(b)%n
+            if (.not. c%batch(b)%limit%automatic(i)) cycle
+            s = model%batch(b)%limit%scale(i)
+            where (joint_types(c%batch(b)%row)%free == 0)
+               c%batch(b)%k(i, :) = s*c%batch(b)%k(i, :)
+               c%batch(b)%c(i, :) = sqrt(s)*c%batch(b)%c(i, :)
+            end where
+            c%batch(b)%limit%k_block(i, :) = s*c%batch(b)%limit%k_block(i, :)
+         end do
+      end do
+   end subroutine scale_stiffness
+
+end module kj_consistent_auto_stiffness

@@ -1,0 +1,159 @@
+!> Arrays of all joints of one batch under the consistent formulation: constants and state.
+module kj_consistent_batch
+   use kj_kinds, only: wp
+   use kj_math3, only: cross, unit
+   use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS, FRAME_LINE
+   use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, &
+      LAW_DAMPER, LAW_DAMPER_CURVE
+   use kj_block, only: BLOCK
+   implicit none
+   private
+
+   public :: consistent_batch_t, consistent_joint_t, new_consistent_joint, new_consistent_limits, &
+      chart_of, matrix_of, frame_of, sprung_dofs, damped_dofs
+
+   integer, parameter, public :: N_B = 30             !! numbers of the matrix B of a joint
+
+   !> Coordinates of the rotations
+   integer, parameter, public :: CHART_TWIST = 1      !! at most one free rotation
+   integer, parameter, public :: CHART_VECTOR = 2     !! three free rotations
+   integer, parameter, public :: CHART_UNIVERSAL = 3
+   integer, parameter, public :: CHART_LINE = 4       !! none: a spring along its line
+
+   !> Constants, work units
+   type :: consistent_batch_t
+      integer :: n = 0
+      integer :: first = 0                       !! joints before this batch
+      integer :: row = 0                         !! row of kj_joint_types
+      integer :: chart = 0                       !! CHART_ constant
+      logical :: mean = .true.                   !! translations in the mean frame, else of body 1
+      logical :: spring = .false.                !! of /PROP/TYPE4 or TYPE8: has frame and axes
+      integer :: frame = 0                       !! FRAME_ constant
+      real(wp), allocatable :: axes(:, :)        !! (n, 9) axes at the start, W; of springs only
+      integer :: law(NDOF) = 0                   !! LAW_ bits of kj_joint_batch
+      !> (n) equal springs without a length: no frame needed
+      logical, allocatable :: plain(:)
+      logical :: damped = .false.                !! any dof has damping
+      integer, allocatable :: lead(:, :)         !! (n, 2)
+      !> (n, 6) node 1 and node 2 from their leads, body axes
+      real(wp), allocatable :: arm(:, :)
+      real(wp), allocatable :: triad(:, :)       !! (n, 8) quaternions of the triads in body axes
+      real(wp), allocatable :: apart(:, :)       !! (n, 3) lead 2 from lead 1 at the start, W
+      real(wp), allocatable :: xl0(:, :)         !! (n, 3) offset at the start, J
+      real(wp), allocatable :: angle0(:)         !! (n) angle(e2, e3) at the start, universal
+      !> (n, 6) stiffness and damping, or scale of the curve
+      real(wp), allocatable :: k(:, :), c(:, :)
+      !> (n, 6) where law has curves, else not allocated
+      integer, allocatable :: k_curve(:, :), c_curve(:, :)
+      logical :: shifted = .false.               !! some angle does not start at 0
+      real(wp), allocatable :: shift(:, :)       !! (n, 3) these angles [rad]; not allocated: none
+      !> has what follows, and consistent_joint_t its part
+      logical :: limited = .false.
+      type(limits_t) :: limit
+      real(wp), allocatable :: inertia(:, :)     !! (n, 6) effective mass or inertia of each dof
+   end type consistent_batch_t
+
+   !> State
+   type :: consistent_joint_t
+      real(wp), allocatable :: q(:, :)           !! (n, 6) coordinates
+      real(wp), allocatable :: fe(:, :)          !! (n, 6) elastic force on node 1, without friction
+      real(wp), allocatable :: fd(:, :)          !! (n, 6) damping force on node 1
+      !> (n) work done on springs and on dampers
+      real(wp), allocatable :: elastic(:), dissipated(:)
+      !> (BLOCK, N_B, blocks) the matrix B block by block, see kj_consistent_chart: 1-9 force
+      !> of each unit translation, 10-18 moment M1 on lead 1 of each, 19-27 moment on body 1 of each
+      !> unit damping moment; 28-30 d, so that d x force - M1 is the moment on lead 2; W
+      real(wp), allocatable :: b(:, :, :)
+      !> (n, 6) rates with the velocities of the half step
+      real(wp), allocatable :: qd(:, :)
+      ! of limited batches only
+      real(wp), allocatable :: friction(:, :)    !! (n, 6) friction on node 1, beside fe
+      real(wp), allocatable :: grip(:, :)        !! (n, 6) limit of friction, now; 0 = none
+      !> (n, 6) damping of stops, stuck friction and lock, now
+      real(wp), allocatable :: c_limit(:, :)
+      !> (n, 2) damping of combined stops, translations and rotations, and (n, 6) its directions
+      real(wp), allocatable :: c_round(:, :), to_round(:, :)
+      real(wp), allocatable :: slip_energy(:)    !! (n) energy that sliding took
+      real(wp), allocatable :: stored(:)         !! (n) energy in stops, stuck friction and lock
+      logical, allocatable :: locked(:)          !! (n) is held by its lock
+      real(wp), allocatable :: q_lock(:, :)      !! (n, 6) coordinates held by the lock
+      integer, allocatable :: flag(:, :)         !! (n, 6) DOF_ constant
+   end type consistent_joint_t
+
+contains
+
+   !> Chart of a batch
+   pure integer function chart_of(batch) result(chart)
+      type(joint_batch_t), intent(in) :: batch
+
+      chart = CHART_TWIST
+      if (all(joint_types(batch%row)%free(4:6) == 1)) chart = CHART_VECTOR
+      if (batch%frame == FRAME_CROSS) chart = CHART_UNIVERSAL
+      if (batch%frame == FRAME_LINE) chart = CHART_LINE
+   end function chart_of
+
+   !> The dofs of a batch that may have an elastic force
+   pure function sprung_dofs(batch) result(on)
+      type(consistent_batch_t), intent(in) :: batch
+      logical :: on(NDOF)
+
+      on = batch%limited .or. iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE) /= 0
+   end function sprung_dofs
+
+   !> The dofs of a batch that may have a damping force
+   pure function damped_dofs(batch) result(on)
+      type(consistent_batch_t), intent(in) :: batch
+      logical :: on(NDOF)
+
+      on = batch%limited .or. iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0
+   end function damped_dofs
+
+   !> State of n joints, all zero
+   pure subroutine new_consistent_joint(n, joint)
+      integer, intent(in) :: n
+      type(consistent_joint_t), intent(out) :: joint
+
+      allocate (joint%q(n, 6), joint%fe(n, 6), joint%fd(n, 6), joint%elastic(n), &
+         joint%dissipated(n), joint%b(BLOCK, N_B, (n + BLOCK - 1)/BLOCK), joint%qd(n, 6), &
+         source=0.0_wp)
+   end subroutine new_consistent_joint
+
+   !> The matrix B of one joint
+   pure function matrix_of(joint, i) result(b)
+      type(consistent_joint_t), intent(in) :: joint
+      integer, intent(in) :: i
+      real(wp) :: b(N_B)
+
+      b = joint%b(modulo(i - 1, BLOCK) + 1, :, (i - 1)/BLOCK + 1)
+   end function matrix_of
+
+   !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a
+   !> universal joint the dual basis of its axes
+   pure function frame_of(batch, joint, j) result(e)
+      type(consistent_batch_t), intent(in) :: batch
+      type(consistent_joint_t), intent(in) :: joint
+      integer, intent(in) :: j
+      real(wp) :: e(9)
+
+      real(wp) :: b(N_B)
+
+      b = matrix_of(joint, j)
+      e = b(1:9)
+      if (batch%chart /= CHART_UNIVERSAL) return
+      e(4:6) = unit(cross(b(7:9), b(1:3)))
+      e(7:9) = unit(cross(b(1:3), b(4:6)))
+   end function frame_of
+
+   !> State of the limits of n joints, all at rest
+   pure subroutine new_consistent_limits(n, joint)
+      integer, intent(in) :: n
+      type(consistent_joint_t), intent(inout) :: joint
+
+      allocate (joint%friction(n, 6), joint%grip(n, 6), joint%c_limit(n, 6), joint%c_round(n, 2), &
+         joint%to_round(n, 6), &
+         joint%slip_energy(n), joint%stored(n), joint%q_lock(n, 6), source=0.0_wp)
+      allocate (joint%locked(n), source=.false.)
+      allocate (joint%flag(n, 6), source=DOF_FREE)
+   end subroutine new_consistent_limits
+
+end module kj_consistent_batch

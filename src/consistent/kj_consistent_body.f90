@@ -1,0 +1,324 @@
+!> Rigid bodies under the consistent formulation: half kicks, the drift by plane rotations, and the
+!> angular velocity that belongs to an angular momentum.
+!> Source: consistent.md 1 (split2), 3; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997)
+!> 5840.
+module kj_consistent_body
+   use kj_kinds, only: wp
+   use kj_math3, only: turn_coefficients
+   use kj_block, only: BLOCK, turn_arm
+   use kj_consistent_chart, only: quaternion_frame
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   implicit none
+   private
+
+   public :: kick, drift, predict, spin_velocity, inverse_inertias, columns, turn_in_space
+
+contains
+
+   !> v += h/2 f/m, L += h/2 t of leads lo..hi; blocked leads have no inverse mass or inertia
+   pure subroutine kick(c, state, h, lo, hi)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(in) :: h                       !! the whole step
+      integer, intent(in) :: lo, hi
+
+      integer :: i, k
+
+      do k = 1, 3
+         !$omp simd
+         do i = lo, hi
+            state%v(i, k) = state%v(i, k) + 0.5_wp*h*c%im(i)*state%f(i, k)
+            state%l(i, k) = state%l(i, k) + 0.5_wp*h*state%t(i, k)
+         end do
+      end do
+   end subroutine kick
+
+   !> x += h v, and the free rotation of leads lo..hi over h.
+   !>
+   !> Three unequal inertias: half, half about the smallest and the middle axis, whole about the
+   !> largest, and back. Two equal ones: the exact motion, a turn h L/It in space and one about the
+   !> axis of symmetry by h l (1/Ia - 1/It).
+   pure subroutine drift(c, state, h, lo, hi)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+
+      real(wp), dimension(BLOCK, 3) :: l, space, part, w
+      real(wp) :: q(BLOCK, 4), scale
+      logical :: unequal
+      integer :: from, to, n, i, k
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         do k = 1, 3
+            state%poses%x(from:to, k) = state%poses%x(from:to, k) + h*state%v(from:to, k)
+            state%poses%d(from:to, k) = state%poses%d(from:to, k) + h*state%v(from:to, k)
+            l(:n, k) = state%l(from:to, k)
+         end do
+         do k = 1, 4
+            q(:n, k) = state%poses%quat(from:to, k)
+         end do
+         unequal = any(c%equal(from:to) == 0)
+         if (any(c%equal(from:to) > 0)) then
+            call symmetric_part(c, from, n, h, l, space, part)
+            call turn_in_space(n, space, q)
+         else
+            part(:n, 1) = 1.0_wp
+            part(:n, 2:3) = 0.5_wp
+         end if
+         call conjugate_turn(n, q, l, w)
+         call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
+         call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
+         call plane_turn(n, 1, h, part(:, 1), c%ii(from:to, 1), q, w)
+         if (unequal) then
+            do i = 1, n
+               if (c%equal(from + i - 1) > 0) part(i, 2:3) = 0.0_wp
+            end do
+            call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
+            call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
+         end if
+         !$omp simd private(scale)
+         do i = 1, n
+            scale = 1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
+            ! others may look at a lead at rest (kj_wave): it does not change by a rounding
+            scale = merge(scale, 1.0_wp, c%ii(from + i - 1, 1) > 0.0_wp)
+            state%poses%quat(from + i - 1, 1) = q(i, 1)*scale
+            state%poses%quat(from + i - 1, 2) = q(i, 2)*scale
+            state%poses%quat(from + i - 1, 3) = q(i, 3)*scale
+            state%poses%quat(from + i - 1, 4) = q(i, 4)*scale
+         end do
+      end do
+   end subroutine drift
+
+   !> Space turn h L/It of symmetric bodies (0 for others), and the share of each plane rotation
+   pure subroutine symmetric_part(c, from, n, h, l, space, part)
+      type(consistent_model_t), intent(in) :: c
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: h, l(BLOCK, 3)
+      real(wp), intent(out) :: space(BLOCK, 3), part(BLOCK, 3)
+
+      real(wp) :: it
+      integer :: i, j, a
+
+      do i = 1, n
+         j = from + i - 1
+         a = c%equal(j)
+         if (a == 0) then
+            space(i, :) = 0.0_wp
+            part(i, 1) = 1.0_wp
+            part(i, 2:3) = 0.5_wp
+         else
+            it = c%ii(j, modulo(a, 3) + 1)
+            space(i, :) = h*it*l(i, :)
+            part(i, :) = 0.0_wp
+            if (c%ii(j, a) > 0.0_wp) part(i, a) = 1.0_wp - it/c%ii(j, a)
+         end if
+      end do
+   end subroutine symmetric_part
+
+   !> q := Exp(phi) q
+   pure subroutine turn_in_space(n, phi, q)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: phi(BLOCK, 3)
+      real(wp), intent(inout) :: q(BLOCK, 4)
+
+      real(wp) :: a2(BLOCK), s(BLOCK), c(BLOCK), w, x, y, z, p(4)
+      integer :: i
+
+      do i = 1, n
+         a2(i) = 0.25_wp*(phi(i, 1)**2 + phi(i, 2)**2 + phi(i, 3)**2)
+      end do
+      call turn_coefficients(n, a2, s, c)
+      !$omp simd private(w, x, y, z, p)
+      do i = 1, n
+         w = 1.0_wp - a2(i)*c(i)
+         x = 0.5_wp*s(i)*phi(i, 1)
+         y = 0.5_wp*s(i)*phi(i, 2)
+         z = 0.5_wp*s(i)*phi(i, 3)
+         p(1) = q(i, 1)
+         p(2) = q(i, 2)
+         p(3) = q(i, 3)
+         p(4) = q(i, 4)
+         q(i, 1) = w*p(1) - x*p(2) - y*p(3) - z*p(4)
+         q(i, 2) = w*p(2) + x*p(1) + y*p(4) - z*p(3)
+         q(i, 3) = w*p(3) + y*p(1) + z*p(2) - x*p(4)
+         q(i, 4) = w*p(4) + z*p(1) + x*p(3) - y*p(2)
+      end do
+   end subroutine turn_in_space
+
+   !> Turn about body axis a by share*h*l_a/I_a: q := q (c, s e_a), and l stays the same in space
+   pure subroutine plane_turn(n, a, h, share, ii, q, l)
+      integer, intent(in) :: n, a
+      real(wp), intent(in) :: h, share(n), ii(n)
+      real(wp), intent(inout) :: q(BLOCK, 4), l(BLOCK, 3)
+
+      real(wp) :: x(BLOCK), x2(BLOCK), s(BLOCK), c(BLOCK), si, co, t
+      integer :: i, j, k
+
+      j = modulo(a, 3) + 1
+      k = modulo(j, 3) + 1
+      do i = 1, n
+         x(i) = 0.5_wp*h*share(i)*ii(i)*l(i, a)
+         x2(i) = x(i)**2
+      end do
+      call turn_coefficients(n, x2, s, c)
+      !$omp simd private(si, co, t)
+      do i = 1, n
+         si = x(i)*s(i)
+         co = 1.0_wp - x2(i)*c(i)
+         t = q(i, 1)
+         q(i, 1) = co*t - si*q(i, 1 + a)
+         q(i, 1 + a) = co*q(i, 1 + a) + si*t
+         t = q(i, 1 + j)
+         q(i, 1 + j) = co*t + si*q(i, 1 + k)
+         q(i, 1 + k) = co*q(i, 1 + k) - si*t
+         t = 2.0_wp*si*co
+         co = 1.0_wp - 2.0_wp*si*si
+         si = t
+         t = l(i, j)
+         l(i, j) = co*t + si*l(i, k)
+         l(i, k) = co*l(i, k) - si*t
+      end do
+   end subroutine plane_turn
+
+   !> b = a in body axes: turned by the conjugate of q
+   pure subroutine conjugate_turn(n, q, a, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: q(BLOCK, 4), a(BLOCK, 3)
+      real(wp), intent(out) :: b(BLOCK, 3)
+
+      real(wp) :: p(BLOCK, 4)
+
+      p(:n, 1) = q(:n, 1)
+      p(:n, 2:4) = -q(:n, 2:4)
+      call turn_arm(n, p, a, b)
+   end subroutine conjugate_turn
+
+   !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m,
+   !> J^-1 (L + h/2 t), with what the host of single joints adds to f and t
+   pure subroutine predict(c, h, lo, hi, state)
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp), dimension(BLOCK, 3) :: f, t, l
+      integer :: from, to, n, i, j, k
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         f(:n, :) = state%f(from:to, :)
+         t(:n, :) = state%t(from:to, :)
+         if (allocated(state%f_ahead)) then
+            f(:n, :) = f(:n, :) + state%f_ahead(from:to, :)
+            t(:n, :) = t(:n, :) + state%t_ahead(from:to, :)
+         end if
+         do k = 1, 3
+            !$omp simd private(j)
+            do i = 1, n
+               j = from + i - 1
+               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h*c%im(j)*f(i, k)
+               l(i, k) = state%l(j, k) + 0.5_wp*h*t(i, k)
+            end do
+         end do
+         call spin_block(c, state%poses%quat, from, n, l, state%poses%w)
+      end do
+   end subroutine predict
+
+   !> w = J^-1 L of leads lo..hi
+   pure subroutine spin_velocity(c, quat, l, lo, hi, w)
+      type(consistent_model_t), intent(in) :: c
+      real(wp), contiguous, intent(in) :: quat(:, :)  !! (n_lead, 4)
+      real(wp), contiguous, intent(in) :: l(:, :)     !! (n_lead, 3) angular momentum, W
+      integer, intent(in) :: lo, hi
+      real(wp), contiguous, intent(inout) :: w(:, :)  !! (n_lead, 3)
+
+      real(wp) :: part(BLOCK, 3)
+      integer :: from, n, k
+
+      do from = lo, hi, BLOCK
+         n = min(BLOCK, hi - from + 1)
+         do k = 1, 3
+            part(:n, k) = l(from:from + n - 1, k)
+         end do
+         call spin_block(c, quat, from, n, part, w)
+      end do
+   end subroutine spin_velocity
+
+   !> w = J^-1 L of n leads from ..., L of these alone
+   pure subroutine spin_block(c, quat, from, n, l, w)
+      type(consistent_model_t), intent(in) :: c
+      real(wp), contiguous, intent(in) :: quat(:, :)
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: l(BLOCK, 3)
+      real(wp), contiguous, intent(inout) :: w(:, :)
+
+      real(wp) :: q(BLOCK, 4), e(BLOCK, 9), s1, s2, s3
+      integer :: i, j, k
+
+      do k = 1, 4
+         q(:n, k) = quat(from:from + n - 1, k)
+      end do
+      call quaternion_frame(n, q, e)
+      !$omp simd private(j, s1, s2, s3)
+      do i = 1, n
+         j = from + i - 1
+         s1 = c%ii(j, 1)*(e(i, 1)*l(i, 1) + e(i, 2)*l(i, 2) + e(i, 3)*l(i, 3))
+         s2 = c%ii(j, 2)*(e(i, 4)*l(i, 1) + e(i, 5)*l(i, 2) + e(i, 6)*l(i, 3))
+         s3 = c%ii(j, 3)*(e(i, 7)*l(i, 1) + e(i, 8)*l(i, 2) + e(i, 9)*l(i, 3))
+         w(j, 1) = e(i, 1)*s1 + e(i, 4)*s2 + e(i, 7)*s3
+         w(j, 2) = e(i, 2)*s1 + e(i, 5)*s2 + e(i, 8)*s3
+         w(j, 3) = e(i, 3)*s1 + e(i, 6)*s2 + e(i, 9)*s3
+      end do
+   end subroutine spin_block
+
+   !> J^-1 in W times the number of joints of the lead: xx yy zz xy xz yz
+   pure subroutine inverse_inertias(c, quat, lo, hi, ij)
+      type(consistent_model_t), intent(in) :: c
+      real(wp), contiguous, intent(in) :: quat(:, :)
+      integer, intent(in) :: lo, hi
+      real(wp), contiguous, intent(inout) :: ij(:, :) !! (n_lead, 6)
+
+      integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
+      real(wp) :: q(BLOCK, 4), e(BLOCK, 9)
+      integer :: from, n, i, j, k, r, m
+
+      do from = lo, hi, BLOCK
+         n = min(BLOCK, hi - from + 1)
+         do k = 1, 4
+            q(:n, k) = quat(from:from + n - 1, k)
+         end do
+         call quaternion_frame(n, q, e)
+         do k = 1, 6
+            r = ROW(k)
+            m = COLUMN(k)
+            !$omp simd private(j)
+            do i = 1, n
+               j = from + i - 1
+               ij(j, k) = real(c%n_joint(j), wp)*(c%ii(j, 1)*e(i, r)*e(i, m) + &
+                  c%ii(j, 2)*e(i, r + 3)*e(i, m + 3) + c%ii(j, 3)*e(i, r + 6)*e(i, m + 6))
+            end do
+         end do
+      end do
+   end subroutine inverse_inertias
+
+   !> Columns of the rotation matrix of a unit quaternion
+   pure function columns(p) result(e)
+      real(wp), intent(in) :: p(4)
+      real(wp) :: e(9)
+
+      e(1) = 1.0_wp - 2.0_wp*(p(3)*p(3) + p(4)*p(4))
+      e(2) = 2.0_wp*(p(2)*p(3) + p(1)*p(4))
+      e(3) = 2.0_wp*(p(2)*p(4) - p(1)*p(3))
+      e(4) = 2.0_wp*(p(2)*p(3) - p(1)*p(4))
+      e(5) = 1.0_wp - 2.0_wp*(p(2)*p(2) + p(4)*p(4))
+      e(6) = 2.0_wp*(p(3)*p(4) + p(1)*p(2))
+      e(7) = 2.0_wp*(p(2)*p(4) + p(1)*p(3))
+      e(8) = 2.0_wp*(p(3)*p(4) - p(1)*p(2))
+      e(9) = 1.0_wp - 2.0_wp*(p(2)*p(2) + p(3)*p(3))
+   end function columns
+
+end module kj_consistent_body

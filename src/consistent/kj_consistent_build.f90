@@ -1,0 +1,353 @@
+!> Model -> constants and first state of the consistent formulation.
+module kj_consistent_build
+   use kj_kinds, only: wp
+   use kj_team, only: new_team
+   use kj_plan, only: new_plan, plan_of_leads
+   use kj_wave, only: N_STEP
+   use kj_lead_map, only: SPAN, N_SUM
+   use kj_math3, only: cross, to_quaternion, IDENTITY
+   use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
+   use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
+      LAW_SPRING_CURVE
+   use kj_model, only: model_t, load_t, IMPOSE_DISPLACEMENT
+   use kj_skew, only: axis_of
+   use kj_consistent_batch, only: consistent_batch_t, chart_of, new_consistent_joint, &
+      new_consistent_limits, CHART_UNIVERSAL, CHART_VECTOR
+   use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
+   use kj_consistent_collect, only: collect_holds, at_rest, all_blocked
+   use kj_consistent_wave, only: build_wave
+   use kj_consistent_conditions, only: motion_targets, project_all, WHOLE
+   use kj_gravity, only: new_gravity
+   use kj_consistent_step, only: find_forces
+   use kj_consistent_build_stops, only: build_limits, direction_inertia, start_energies
+   implicit none
+   private
+
+   public :: build_consistent_model, new_consistent_state, settle
+
+contains
+
+   !> Constants of the consistent formulation
+   subroutine build_consistent_model(model, c)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(out) :: c
+
+      integer :: b, i, lead, j
+
+      allocate (c%batch(size(model%batch)), c%n_joint(model%n_lead), c%hold_of(model%n_lead))
+      c%n_joint = model%map%first(2:) - model%map%first(:model%n_lead)
+      call collect_holds(model, c)
+      call set_inertia(model, c)
+      allocate (c%arm(model%n_node, 3))
+      do i = 1, model%n_node
+         lead = model%lead(i)
+         c%arm(i, :) = matmul(model%x0(i, :) - model%x0(lead, :), reshape(c%axes0(lead, :), [3, 3]))
+      end do
+      do b = 1, size(model%batch)
+         call build_batch(model, c, model%batch(b), c%batch(b))
+      end do
+      call new_team(model%control%threads, model%control%least_share, model%batch%n, &
+         min(SPAN, c%n_joint), c%team)
+      call new_plan(model%batch%first, model%map, c%team, c%once)
+      call plan_of_leads(c%team, c%alone)
+      c%damped = any([(c%batch(b)%damped, b=1, size(c%batch))])
+      if (c%damped) call new_plan(model%batch%first, model%map, c%team, c%twice, rests=at_rest(c))
+      c%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
+      c%placed = [integer ::]
+      do i = 1, size(model%skews%needed)
+         if (.not. used_by_loads(model, model%skews%needed(i))) cycle
+         c%placed = [c%placed, (model%skews%node(j, model%skews%needed(i)), j=1, 3)]
+      end do
+      do i = 1, size(model%cload)
+         c%placed = [c%placed, model%cload(i)%node]
+      end do
+      c%loose = loose_ends(model)
+      call build_wave(model, c)
+   end subroutine build_consistent_model
+
+   !> Ends whose moving skew does not ride on the lead of the joint node: (2, n) joint in deck
+   !> order, end
+   pure function loose_ends(model) result(list)
+      type(model_t), intent(in) :: model
+      integer, allocatable :: list(:, :)
+
+      integer :: j, e, s, n, pass
+
+      do pass = 1, 2
+         n = 0
+         do j = 1, model%n_joint
+            associate (b => model%batch(model%joint(j)%batch), place => model%joint(j)%place)
+               do e = 1, 2
+                  s = b%skew(place, e)
+                  if (s == 0) cycle
+                  if (model%skews%dir(s) == 0) cycle
+                  if (all(model%lead(model%skews%node(:, s)) == b%lead(place, e))) cycle
+                  n = n + 1
+                  if (pass == 2) list(:, n) = [j, e]
+               end do
+            end associate
+         end do
+         if (pass == 1) allocate (list(2, n))
+      end do
+   end function loose_ends
+
+   !> A skew whose axes loads, conditions or imposed motion read
+   pure logical function used_by_loads(model, skew) result(used)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: skew
+
+      used = any(model%cload%skew == skew) .or. any(model%gravity%skew == skew) .or. &
+         any(model%bcs%skew == skew) .or. any(model%motion%skew == skew)
+   end function used_by_loads
+
+   !> Gravity that is constant in size and direction
+   pure logical function is_steady(model, load) result(steady)
+      type(model_t), intent(in) :: model
+      type(load_t), intent(in) :: load
+
+      integer :: first, last
+
+      steady = .not. load%sensed
+      if (load%curve > 0) then
+         first = model%curves%first(load%curve)
+         last = model%curves%first(load%curve + 1) - 1
+         steady = steady .and. all(model%curves%y(first:last) >= model%curves%y(first)) .and. &
+            all(model%curves%y(first:last) <= model%curves%y(first))
+      end if
+      if (load%skew > 0) steady = steady .and. model%skews%dir(load%skew) == 0
+   end function is_steady
+
+   !> Inverse masses and inertias, principal axes sorted by descending inertia
+   subroutine set_inertia(model, c)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(inout) :: c
+
+      real(wp) :: axes(3, 3), inertia(3)
+      integer :: i, h
+
+      associate (n => model%n_lead)
+         allocate (c%im(n), c%i(n, 3), c%ii(n, 3), c%quat0(n, 4), c%axes0(n, 9), source=0.0_wp)
+         allocate (c%equal(n), source=0)
+      end associate
+      do i = 1, model%n_lead
+         inertia = model%inertia(i)
+         axes = IDENTITY
+         if (i <= model%n_body) then
+            inertia = model%principal(i, :)
+            axes = reshape(model%axes(i, :), [3, 3])
+            call sort_axes(inertia, axes)
+         end if
+         if (model%mass(i) > 0.0_wp) c%im(i) = 1.0_wp/model%mass(i)
+         c%i(i, :) = inertia
+         if (minval(inertia) > 0.0_wp) c%ii(i, :) = 1.0_wp/inertia
+         c%quat0(i, :) = to_quaternion(axes)
+         c%axes0(i, :) = reshape(axes, [9])
+         if (abs(inertia(2) - inertia(3)) <= 1.0e-12_wp*inertia(1)) c%equal(i) = 1
+         if (abs(inertia(1) - inertia(2)) <= 1.0e-12_wp*inertia(1)) c%equal(i) = 3
+         h = c%hold_of(i)
+         if (h == 0) cycle
+         if (all_blocked(c%hold(h)%trans, c%hold(h)%n_trans)) c%im(i) = 0.0_wp
+         if (all_blocked(c%hold(h)%rot, c%hold(h)%n_rot)) c%ii(i, :) = 0.0_wp
+      end do
+   end subroutine set_inertia
+
+   !> Descending values, right-handed axes
+   pure subroutine sort_axes(values, axes)
+      real(wp), intent(inout) :: values(3), axes(3, 3)
+
+      real(wp) :: v
+      integer :: i, k
+
+      do k = 1, 2
+         do i = 1, 3 - k
+            if (values(i) >= values(i + 1)) cycle
+            v = values(i)
+            values(i) = values(i + 1)
+            values(i + 1) = v
+            axes(:, i:i + 1) = axes(:, i + 1:i:-1)
+         end do
+      end do
+      axes(:, 3) = cross(axes(:, 1), axes(:, 2))
+   end subroutine sort_axes
+
+   !> Constants of one batch; damping of blocked rotations from the effective inertia of the
+   !> direction
+   subroutine build_batch(model, c, old, batch)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(joint_batch_t), intent(in) :: old
+      type(consistent_batch_t), intent(out) :: batch
+
+      real(wp) :: e(3, 3), t(3, 3), r(3)
+      integer :: i, s, dof
+
+      batch%n = old%n
+      batch%first = old%first
+      batch%row = old%row
+      batch%chart = chart_of(old)
+      batch%spring = is_spring(old)
+      batch%frame = old%frame
+      if (batch%spring) batch%axes = old%frame0
+      batch%mean = old%frame /= FRAME_FIRST .and. .not. batch%spring
+      batch%law = old%law
+      batch%damped = any(iand(old%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0)
+      batch%lead = old%lead
+      batch%k = old%k
+      batch%c = old%c
+      if (any(iand(old%law, LAW_SPRING_CURVE) /= 0)) batch%k_curve = old%k_curve
+      if (any(iand(old%law, LAW_DAMPER_CURVE) /= 0)) batch%c_curve = old%c_curve
+      batch%xl0 = old%xl0
+      batch%apart = model%x0(old%lead(:, 2), :) - model%x0(old%lead(:, 1), :)
+      batch%plain = [(all(joint_types(old%row)%free(1:3) == 0) .and. batch%mean .and. &
+         batch%chart == CHART_VECTOR .and. norm2(old%xl0(i, :)) <= 0.0_wp, i=1, old%n)]
+      allocate (batch%arm(old%n, 6), batch%triad(old%n, 8), batch%angle0(old%n))
+      batch%angle0 = 0.0_wp
+      do i = 1, old%n
+         e = reshape(old%frame0(i, :), [3, 3])
+         do s = 1, 2
+            t = e
+            if (batch%chart == CHART_UNIVERSAL .and. s == 1) t(:, 3) = cross(e(:, 1), e(:, 2))
+            if (batch%chart == CHART_UNIVERSAL .and. s == 2) t(:, 2) = cross(e(:, 3), e(:, 1))
+            t = matmul(transpose(reshape(c%axes0(old%lead(i, s), :), [3, 3])), t)
+            batch%triad(i, 4*s - 3:4*s) = to_quaternion(t)
+            batch%arm(i, 3*s - 2:3*s) = c%arm(old%node(i, s), :)
+         end do
+         if (old%frame == FRAME_CROSS) then
+            batch%angle0(i) = atan2(norm2(cross(e(:, 2), e(:, 3))), dot_product(e(:, 2), e(:, 3)))
+            r = model%x0(old%node(i, 2), :) - model%x0(old%node(i, 1), :)
+            batch%xl0(i, :) = dual_components(e, r)
+         end if
+         do dof = 4, 6
+            if (joint_types(old%row)%free(dof) == 1) cycle
+            batch%c(i, dof) = old%cr(i)*sqrt(old%k(i, dof)*direction_inertia(c, old%lead(i, :), &
+               e(:, dof - 3)))
+         end do
+      end do
+      batch%shifted = any(abs(old%angle0) > 0.0_wp)
+      if (batch%shifted) batch%shift = old%angle0
+      if (old%limited) call build_limits(c, old, batch)
+   end subroutine build_batch
+
+   !> Components of r on the dual basis of the columns of e
+   pure function dual_components(e, r) result(x)
+      real(wp), intent(in) :: e(3, 3), r(3)
+      real(wp) :: x(3)
+
+      real(wp) :: s
+
+      s = dot_product(e(:, 1), cross(e(:, 2), e(:, 3)))
+      x = [dot_product(r, cross(e(:, 2), e(:, 3))), dot_product(r, cross(e(:, 3), e(:, 1))), &
+         dot_product(r, cross(e(:, 1), e(:, 2)))]/s
+   end function dual_components
+
+   !> State at t = 0 with its forces
+   subroutine new_consistent_state(model, c, state, lean)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(out) :: state
+      logical, intent(in), optional :: lean      !! without what only loads and histories read
+
+      integer :: b, i, n_own
+      logical :: without
+
+      without = .false.
+      if (present(lean)) without = lean
+      associate (n => model%n_lead, p => state%poses)
+         allocate (p%x, source=model%x0(:n, :))
+         allocate (p%quat, source=c%quat0)
+         allocate (p%v, source=model%v0(:n, :))
+         allocate (state%v, source=model%v0(:n, :))
+         allocate (p%w(n, 3), p%w_left(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), p%d(n, 3), &
+            state%l(n, 3), state%f(n, 3), state%t(n, 3), source=0.0_wp)
+         n_own = merge(0, n, without)
+         allocate (state%own_f(n_own, 3), state%own_t(n_own, 3), source=0.0_wp)
+         n_own = merge(0, model%n_body, without)
+         allocate (state%impulse(n_own, 3), state%angular_impulse(n_own, 3), &
+            state%turn(n_own, 3), source=0.0_wp)
+         p%im = c%im*c%n_joint
+         do i = 1, n
+            state%l(i, :) = start_spin(model, c, i)
+         end do
+      end associate
+      n_own = merge(0, size(model%x0, 1), without)
+      allocate (state%node, source=model%x0(:n_own, :))
+      allocate (state%skew(0:model%skews%n, 9))
+      state%skew = model%skews%axes
+      allocate (state%joint(size(c%batch)))
+      do b = 1, size(c%batch)
+         call new_consistent_joint(c%batch(b)%n, state%joint(b))
+         if (c%batch(b)%limited) call new_consistent_limits(c%batch(b)%n, state%joint(b))
+      end do
+      allocate (state%part(N_SUM, size(c%once%hub), 2, 0:N_STEP), source=0.0_wp)
+      allocate (state%wrench(N_CONSISTENT_WRENCH, model%n_element), &
+         state%motion_at(size(model%motion)), &
+         state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
+         source=0.0_wp)
+      allocate (state%field(size(model%gravity)))
+      do i = 1, size(model%gravity)
+         call new_gravity(model%gravity(i)%node, model%n_lead, state%field(i))
+      end do
+      allocate (state%load_place, source=state%load_force)
+      call start_motions(model, state)
+      allocate (state%kept%rates(6, size(c%hold)), state%kept%quat(4, size(c%hold)), &
+         state%kept%w(3, size(c%hold)), state%kept%work(2, size(c%hold), WHOLE), source=0.0_wp)
+      state%work = 0.0_wp
+      call settle(model, c, state)
+      call start_energies(model, c, state)
+   end subroutine new_consistent_state
+
+   !> Velocities that obey conditions and imposed motion, and the forces of the present pose
+   subroutine settle(model, c, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: mean(size(model%motion)), final(size(model%motion)), work
+      logical :: active(size(model%motion))
+
+      work = state%work
+      call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
+      active = active .and. model%motion%kind == 1
+      call project_all(model, c, final, active, WHOLE, state)
+      state%work = work
+      call find_forces(model, c, 0.0_wp, final, active, state)
+   end subroutine settle
+
+   !> J w of a lead at the start; 0 where it cannot turn
+   pure function start_spin(model, c, lead) result(l)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      integer, intent(in) :: lead
+      real(wp) :: l(3)
+
+      real(wp) :: p(3, 3)
+
+      l = 0.0_wp
+      if (.not. maxval(c%ii(lead, :)) > 0.0_wp) return
+      p = reshape(c%axes0(lead, :), [3, 3])
+      l = matmul(p, c%i(lead, :)*matmul(model%w0(lead, :), p))
+   end function start_spin
+
+   !> Imposed accelerations start from the velocity there is
+   subroutine start_motions(model, state)
+      type(model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i
+
+      do i = 1, size(model%motion)
+         associate (m => model%motion(i))
+            if (m%kind == IMPOSE_DISPLACEMENT) cycle
+            if (m%dir <= 3) then
+               state%motion_at(i) = dot_product(model%v0(m%lead, :), &
+                  axis_of(state%skew, m%skew, m%dir))
+            else
+               state%motion_at(i) = dot_product(model%w0(m%lead, :), &
+                  axis_of(state%skew, m%skew, m%dir))
+            end if
+         end associate
+      end do
+   end subroutine start_motions
+
+end module kj_consistent_build

@@ -1,0 +1,207 @@
+!> Damping forces of the joints of a batch under the consistent formulation: pass 2 of a step, from
+!> predicted velocities, by block Jacobi (no loss of time step), and the energy that they take.
+!> Source: consistent.md 4.
+module kj_consistent_dampers
+   use kj_kinds, only: wp
+   use kj_curve, only: curve_set_t, law_value
+   use kj_joint_types, only: NDOF
+   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE
+   use kj_block, only: BLOCK
+   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, N_B, damped_dofs
+   use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
+   use kj_consistent_compliance, only: end_inertias, compliance
+   use kj_consistent_stop, only: damp_round_stops
+   implicit none
+   private
+
+   public :: add_dampers, count_damping
+
+contains
+
+   !> Pass 2 for joints lo..hi: damping forces from the predicted velocities, and the energy that
+   !> the second half kick takes with them; wrench of what they change.
+   !>
+   !> (1 + h/2 C S) (f - f_old) = C B v* - f_old, S = B M^-1 B^T with each body's inverse mass times
+   !> its number of joints; for a curve C is its slope at B v* where that is positive. h = 0: f = C
+   !> B v. lo is the first joint of a block.
+   pure subroutine add_dampers(batch, curves, poses, h, lo, hi, joint, wrench)
+      type(consistent_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(poses_t), intent(in) :: poses
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(consistent_joint_t), intent(inout) :: joint
+      real(wp), contiguous, intent(inout) :: wrench(:, :)
+
+      real(wp), dimension(BLOCK, 6) :: rate, f, c
+      real(wp) :: s(BLOCK, 21), moment(BLOCK, 3), im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)
+      logical :: on(NDOF)
+      integer :: from, to, n, at, i, j, k
+
+      on = damped_dofs(batch)
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         at = (from - 1)/BLOCK + 1
+         call rates(batch, on, poses%v, poses%w, from, n, joint%b(:, :, at), rate)
+         do k = 1, NDOF
+            if (.not. on(k)) then
+               f(:n, k) = 0.0_wp
+               cycle
+            end if
+            call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
+            if (batch%limited) then
+               c(:n, k) = c(:n, k) + joint%c_limit(from:to, k)
+               f(:n, k) = f(:n, k) + joint%c_limit(from:to, k)*rate(:n, k)
+            end if
+            f(:n, k) = f(:n, k) - joint%fd(from:to, k)
+         end do
+         if (h > 0.0_wp) then
+            call end_inertias(batch, poses, from, n, im, ij1, ij2)
+            call compliance(n, on, joint%b(:, :, at), im, ij1, ij2, s)
+            call solve(n, on, 0.5_wp*h, c, s, f)
+            if (batch%limited) call damp_round_stops(joint, h, from, n, rate, s, f)
+         end if
+         moment(:n, :) = 0.0_wp
+         if (any(on(4:6))) call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
+         call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
+         do k = 1, NDOF
+            if (.not. on(k)) cycle
+            !$omp simd private(j)
+            do i = 1, n
+               j = from + i - 1
+               joint%fd(j, k) = joint%fd(j, k) + f(i, k)
+               joint%dissipated(j) = joint%dissipated(j) + 0.5_wp*h*joint%fd(j, k)*joint%qd(j, k)
+            end do
+         end do
+      end do
+   end subroutine add_dampers
+
+   !> Energy that the dampers of n joints from `from` take in half a step h: h/2 f.B v
+   pure subroutine count_damping(batch, v, w, h, from, n, b, joint)
+      type(consistent_batch_t), intent(in) :: batch
+      real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3) when B was found
+      real(wp), intent(in) :: h
+      integer, intent(in) :: from, n             !! n <= BLOCK
+      real(wp), intent(in) :: b(BLOCK, N_B)
+      type(consistent_joint_t), intent(inout) :: joint
+
+      real(wp) :: rate(BLOCK, 6)
+      logical :: on(NDOF)
+      integer :: i, j, k
+
+      on = damped_dofs(batch)
+      call rates(batch, on, v, w, from, n, b, rate)
+      do k = 1, NDOF
+         if (.not. on(k)) cycle
+         !$omp simd private(j)
+         do i = 1, n
+            j = from + i - 1
+            joint%dissipated(j) = joint%dissipated(j) + 0.5_wp*h*joint%fd(j, k)*rate(i, k)
+         end do
+      end do
+   end subroutine count_damping
+
+   !> Damping force of one dof at a rate, and its slope where positive
+   pure subroutine damper(batch, curves, from, n, dof, rate, f, c)
+      type(consistent_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      integer, intent(in) :: from, n, dof
+      real(wp), intent(in) :: rate(BLOCK)
+      real(wp), intent(out) :: f(BLOCK), c(BLOCK)
+
+      real(wp) :: y, slope
+      integer :: i, j
+
+      if (iand(batch%law(dof), LAW_DAMPER + LAW_DAMPER_CURVE) == 0) then   ! of limits alone
+         f(:n) = 0.0_wp
+         c(:n) = 0.0_wp
+      else if (iand(batch%law(dof), LAW_DAMPER_CURVE) /= 0) then
+         do i = 1, n
+            j = from + i - 1
+            call law_value(curves, batch%c_curve(j, dof), rate(i), y, slope)
+            f(i) = batch%c(j, dof)*y
+            c(i) = max(0.0_wp, batch%c(j, dof)*slope)
+         end do
+      else
+         !$omp simd
+         do i = 1, n
+            c(i) = batch%c(from + i - 1, dof)
+            f(i) = c(i)*rate(i)
+         end do
+      end if
+   end subroutine damper
+
+   !> f := (1 + g C S)^-1 f for a block, C diagonal >= 0, S symmetric >= 0.
+   !>
+   !> With D = C^1/2 this is D (1 + g D S D)^-1 D^-1: the part of f along a dof without damping
+   !> stays (it is zero). L D L^T without pivoting, all joints of the block at once: 6 x 6 is far
+   !> too small for one LAPACK call a joint.
+   pure subroutine solve(n, on, g, c, s, f)
+      integer, intent(in) :: n
+      logical, intent(in) :: on(NDOF)            !! dofs with damping; of the others nothing is read
+      real(wp), intent(in) :: g, c(BLOCK, 6), s(BLOCK, 21)
+      real(wp), intent(inout) :: f(BLOCK, 6)
+
+      real(wp) :: a(BLOCK, 21), d(BLOCK, 6), pivot(BLOCK, 6), part
+      integer :: i, k, l, m, at, row, column
+
+      do k = 1, 6
+         if (.not. on(k)) cycle
+         !$omp simd
+         do i = 1, n
+            d(i, k) = sqrt(c(i, k))
+            f(i, k) = f(i, k)/merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)
+         end do
+      end do
+      do k = 1, 6
+         if (.not. on(k)) cycle
+         do l = 1, k
+            if (.not. on(l)) cycle
+            at = k*(k - 1)/2 + l
+            !$omp simd
+            do i = 1, n
+               a(i, at) = g*d(i, k)*s(i, at)*d(i, l)
+            end do
+         end do
+         a(:n, at) = a(:n, at) + 1.0_wp
+      end do
+      do k = 1, 6
+         if (.not. on(k)) cycle
+         at = k*(k + 1)/2
+         pivot(:n, k) = 1.0_wp/a(:n, at)
+         do l = k + 1, 6
+            if (.not. on(l)) cycle
+            row = l*(l - 1)/2
+            do m = k + 1, l
+               if (.not. on(m)) cycle
+               column = m*(m - 1)/2 + k
+               !$omp simd private(part)
+               do i = 1, n
+                  part = a(i, row + k)*pivot(i, k)
+                  a(i, row + m) = a(i, row + m) - part*a(i, column)
+               end do
+            end do
+            !$omp simd
+            do i = 1, n
+               f(i, l) = f(i, l) - a(i, row + k)*pivot(i, k)*f(i, k)
+            end do
+         end do
+      end do
+      do k = 6, 1, -1
+         if (.not. on(k)) cycle
+         do m = k + 1, 6
+            if (on(m)) f(:n, k) = f(:n, k) - a(:n, m*(m - 1)/2 + k)*f(:n, m)
+         end do
+         f(:n, k) = f(:n, k)*pivot(:n, k)
+      end do
+      do k = 1, 6
+         if (.not. on(k)) cycle
+         !$omp simd
+         do i = 1, n
+            f(i, k) = f(i, k)*merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)
+         end do
+      end do
+   end subroutine solve
+
+end module kj_consistent_dampers

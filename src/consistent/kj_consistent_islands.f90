@@ -1,0 +1,215 @@
+!> A scene in parts: islands of about the same safe step march together, each part on its own step,
+!> and all meet at the times of the samples.
+!>
+!> A part has its own model, state and march, so its islands see exactly what they would see in a
+!> scene of their own. Ground that several parts touch stands in each of them; its reactions add up.
+!> Islands with nearly the same limit share a part because kernels work on blocks of joints: a
+!> thousand equal pendulums are one part, not a thousand. Parts share nothing, so threads can take
+!> them in any order and the bits of a run stay the same.
+module kj_consistent_islands
+   use kj_kinds, only: wp
+   use kj_sort, only: sort_unique
+   use kj_model, only: model_t
+   use kj_islands, only: find_islands, element_leads, island_steps
+   use kj_cut_model, only: cut_t, cut_model
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_build, only: build_consistent_model, new_consistent_state
+   use kj_pages, only: place_consistent_state
+   use kj_consistent_impact_step, only: step_factor
+   use kj_consistent_march, only: march_t, start_march, march
+   implicit none
+   private
+
+   public :: part_t, cut_scene, march_parts
+
+   real(wp), parameter :: ALIKE = 1.1_wp         !! largest ratio of the limits in a part
+   real(wp), parameter :: NO_LIMIT = 1.0e15_wp   !! a step above this is none
+   integer, parameter :: LEAST_WORK = 4000       !! joint-steps that threads are worth it for
+
+   !> One part
+   type :: part_t
+      type(cut_t) :: cut                         !! its model, and where that is in the scene
+      type(consistent_model_t) :: c
+      type(consistent_state_t) :: state
+      type(march_t) :: march
+   end type part_t
+
+contains
+
+   !> Cut a scene that stands at its start
+   subroutine cut_scene(model, c, whole, n_island, part)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(march_t), intent(in) :: whole         !! march of the scene, started
+      integer, intent(out) :: n_island
+      !> shortest step first; empty for a scene that is best kept in one
+      type(part_t), allocatable, intent(out) :: part(:)
+
+      integer, allocatable :: island(:), group(:)
+      integer :: home(model%n_lead), ends(2, model%n_element)
+      integer :: of_element(model%n_element), n, p
+      logical :: leads(model%n_lead)
+
+      call find_islands(model, island, n_island)
+      allocate (group(0:n_island), source=0)
+      n = 0
+      if (n_island > 1) call group_islands(island_steps(model, island, n_island, &
+         min(whole%bound%limit, whole%most/whole%factor)), group, n)
+      if (n < 2) n = 0                           ! nothing to gain
+      allocate (part(n))
+      if (n == 0) return
+      ends = element_leads(model)
+      home = group(island)
+      of_element = max(home(ends(1, :)), home(ends(2, :)))
+      where (of_element == 0) of_element = n     ! from ground to ground
+      do p = 1, n
+         call find_leads(model, group(island), of_element, ends, p, leads)
+         where (leads .and. home == 0) home = p
+         if (p == n) then
+            leads = leads .or. home == 0         ! ground that nothing touches
+            where (home == 0) home = n
+         end if
+         call cut_model(model, leads, home == p, of_element == p, part(p)%cut)
+         call start_part(c, whole, part(p))
+      end do
+   end subroutine cut_scene
+
+   !> Group of each island: by its limit, upwards; islands that nothing limits go with the last
+   subroutine group_islands(limit, group, n)
+      real(wp), intent(in) :: limit(:)           !! (n_island) longest step of each
+      integer, intent(out) :: group(0:)          !! 1..n; group(0) of ground is 0
+      integer, intent(out) :: n
+
+      integer :: bin(size(limit)), i
+      integer, allocatable :: bins(:), number(:)
+
+      bin = 0
+      where (limit < NO_LIMIT) bin = int(log(limit/minval(limit))/log(ALIKE))
+      bin = merge(bin, maxval(bin), limit < NO_LIMIT)
+      bins = sort_unique(bin)
+      n = size(bins)
+      allocate (number(0:maxval(bin)), source=0)
+      number(bins) = [(i, i=1, n)]
+      group(0) = 0
+      group(1:) = number(bin)
+   end subroutine group_islands
+
+   !> Leads of a part: those of its islands, and what its joints, loads and conditions touch
+   subroutine find_leads(model, group, of_element, ends, p, leads)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: group(:)            !! (n_lead) 0 for ground
+      integer, intent(in) :: of_element(:), ends(:, :)
+      integer, intent(in) :: p
+      logical, intent(out) :: leads(:)
+
+      integer :: i, j
+
+      leads = group == p
+      do j = 1, size(of_element)
+         if (of_element(j) == p) leads(ends(:, j)) = .true.
+      end do
+      do i = 1, size(model%gravity)
+         if (any(group(model%gravity(i)%node) == p)) call add_skew(model%gravity(i)%skew)
+      end do
+      do i = 1, size(model%cload)
+         if (any(group(model%lead(model%cload(i)%node)) == p)) call add_skew(model%cload(i)%skew)
+      end do
+      do i = 1, size(model%bcs)
+         if (group(model%bcs(i)%lead) == p) call add_skew(model%bcs(i)%skew)
+      end do
+      do i = 1, size(model%motion)
+         if (group(model%motion(i)%lead) == p) call add_skew(model%motion(i)%skew)
+      end do
+
+   contains
+
+      !> The leads on which a moving skew rides
+      subroutine add_skew(skew)
+         integer, intent(in) :: skew
+
+         if (skew == 0) return
+         if (model%skews%dir(skew) == 0) return
+         leads(model%lead(model%skews%node(:, skew))) = .true.
+      end subroutine add_skew
+   end subroutine find_leads
+
+   !> Constants, first state and first limit of a part. Automatic stiffness of joints stays what the
+   !> whole scene gave: islands change the steps, not the scene.
+   subroutine start_part(c, whole, part)
+      type(consistent_model_t), intent(in) :: c
+      type(march_t), intent(in) :: whole
+      type(part_t), intent(inout) :: part
+
+      integer :: b, from
+
+      call build_consistent_model(part%cut%model, part%c)
+      from = 0
+      do b = 1, size(part%c%batch)
+         associate (new => part%c%batch(b), old => c%batch(part%cut%batch(b)))
+            associate (rows => part%cut%element(from + 1:from + new%n) - old%first)
+               from = from + new%n
+               new%law = old%law
+               new%k = old%k(rows, :)
+               new%c = old%c(rows, :)
+               if (new%limited) new%limit%k_block = old%limit%k_block(rows, :)
+            end associate
+         end associate
+      end do
+      call new_consistent_state(part%cut%model, part%c, part%state)
+      call place_consistent_state(part%cut%model, part%c, part%state)
+      part%march%integrator = whole%integrator
+      part%march%nodal = whole%nodal
+      part%march%factor = step_factor(part%cut%model)
+      part%march%most = whole%most
+      part%march%first = whole%first
+      call start_march(part%cut%model, part%c, part%state, part%march)
+   end subroutine start_part
+
+   !> Steps of all parts towards t_end, of each at most so many; arrived: all have reached it.
+   !>
+   !> Parts that are large enough for several threads go one after the other, the others side by
+   !> side.
+   subroutine march_parts(t_end, steps, threads, part, arrived)
+      real(wp), intent(in) :: t_end
+      integer, intent(in) :: steps(:)            !! of each part
+      integer, intent(in) :: threads
+      type(part_t), intent(inout) :: part(:)
+      logical, intent(out) :: arrived
+
+      logical :: there(size(part)), large(size(part)), worth
+      integer :: p
+
+      large = [(part(p)%c%team%threads > 1, p=1, size(part))]
+      do p = 1, size(part)
+         if (large(p)) call march_part(p)
+      end do
+      worth = threads > 1 .and. work() > real(LEAST_WORK, wp)
+      !$omp parallel do schedule(dynamic, 1) num_threads(threads) if(worth)
+      do p = 1, size(part)
+         if (.not. large(p)) call march_part(p)
+      end do
+      arrived = all(there)
+
+   contains
+
+      subroutine march_part(p)
+         integer, intent(in) :: p
+
+         associate (a => part(p))
+            call march(a%cut%model, a%c, t_end, steps(p), a%march, a%state, there(p))
+         end associate
+      end subroutine march_part
+
+      !> Joint-steps that lie ahead, about
+      real(wp) function work()
+         integer :: p
+
+         work = 0.0_wp
+         do p = 1, size(part)
+            work = work + part(p)%cut%model%n_element*min(real(steps(p), wp), &
+               (t_end - part(p)%state%time)/part(p)%march%limit)
+         end do
+      end function work
+   end subroutine march_parts
+
+end module kj_consistent_islands

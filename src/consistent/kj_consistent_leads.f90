@@ -1,0 +1,189 @@
+!> What a step does with its leads, block by block: between the forces of two poses a lead depends
+!> on no other.
+!> Source: consistent.md 1.
+module kj_consistent_leads
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_model, only: model_t
+   use kj_lead_map, only: gather_wrenches
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_midpoint, only: midpoint_drift
+   use kj_consistent_body, only: kick, drift, predict, spin_velocity, inverse_inertias
+   use kj_consistent_conditions, only: project, keep_rates, hold_rotations, project_rates, &
+      FIRST_HALF, SECOND_HALF
+   implicit none
+   private
+
+   public :: move_leads, open_leads, look_leads, kick_leads, gather
+
+contains
+
+   !> First half kick and drift of leads lo..hi, with their conditions, and what they need before
+   !> the forces of the new pose. lo is the first lead of a block.
+   subroutine move_leads(model, c, midpoint, h, target, active, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      logical, intent(in) :: midpoint                !! liemid instead of split2
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: target(:)              !! (n_motion) mean velocities of the step
+      logical, intent(in) :: active(:)
+      integer, intent(in) :: lo, hi
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: from, to, first, last, i
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         first = c%hold_to((from - 1)/BLOCK) + 1
+         last = c%hold_to((to + BLOCK - 1)/BLOCK)
+         call keep_rates(c, first, last, state)
+         call half_kick(model, c, h, from, to, state)
+         call project(model, c, target, active, FIRST_HALF, first, last, state)
+         call half_turn(c, h, from, to, state)
+         do i = first, last
+            state%kept%quat(:, i) = state%poses%quat(c%hold(i)%lead, :)
+            state%kept%w(:, i) = state%poses%w(c%hold(i)%lead, :)
+         end do
+         if (midpoint) then
+            call midpoint_drift(c, state, h, from, to)
+         else
+            call drift(c, state, h, from, to)
+         end if
+         call hold_rotations(c, h, target, active, first, last, state)
+         call open_leads(c, h, from, to, state)
+      end do
+   end subroutine move_leads
+
+   !> Half a kick, and half a step of the impulses of joints and of loads on secondary nodes
+   pure subroutine half_kick(model, c, h, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      do k = 1, 3
+         !$omp simd
+         do i = lo, min(hi, model%n_body)
+            state%impulse(i, k) = state%impulse(i, k) + &
+               0.5_wp*h*(state%f(i, k) - state%own_f(i, k))
+            state%angular_impulse(i, k) = state%angular_impulse(i, k) + &
+               0.5_wp*h*(state%t(i, k) - state%own_t(i, k))
+         end do
+      end do
+      call kick(c, state, h, lo, hi)
+   end subroutine half_kick
+
+   !> Angular velocities after the first half kick, and half of the turn that goes with them
+   pure subroutine half_turn(c, h, lo, hi, state)
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      call spin_velocity(c, state%poses%quat, state%l, lo, hi, state%poses%w)
+      do k = 1, 3
+         !$omp simd
+         do i = lo, hi
+            state%poses%psi(i, k) = 0.5_wp*h*state%poses%w(i, k)
+            state%poses%w_left(i, k) = state%poses%w(i, k)
+            state%poses%v(i, k) = state%v(i, k)
+         end do
+      end do
+   end subroutine half_turn
+
+   !> Angular velocities in the pose reached, the other half of the turn, and no forces yet
+   pure subroutine open_leads(c, h, lo, hi, state)
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      integer, intent(in) :: lo, hi
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      call spin_velocity(c, state%poses%quat, state%l, lo, hi, state%poses%w)
+      do k = 1, 3
+         !$omp simd
+         do i = lo, hi
+            state%poses%psi(i, k) = state%poses%psi(i, k) + 0.5_wp*h*state%poses%w(i, k)
+            state%f(i, k) = 0.0_wp
+            state%t(i, k) = 0.0_wp
+         end do
+         if (size(state%own_f, 1) == 0) cycle
+         state%own_f(lo:hi, k) = 0.0_wp
+         state%own_t(lo:hi, k) = 0.0_wp
+      end do
+   end subroutine open_leads
+
+   !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
+   !> inertias
+   subroutine look_leads(c, h, target, active, lo, hi, state)
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
+      logical, intent(in) :: active(:)
+      integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: from, to, first, last
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         first = c%hold_to((from - 1)/BLOCK) + 1
+         last = c%hold_to((to + BLOCK - 1)/BLOCK)
+         call predict(c, h, from, to, state)
+         call project_rates(c, target, active, first, last, state)
+         call inverse_inertias(c, state%poses%quat, from, to, state%poses%ij)
+      end do
+   end subroutine look_leads
+
+   !> Second half kick of leads lo..hi and the sum of turns
+   subroutine kick_leads(model, c, h, target, active, lo, hi, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
+      logical, intent(in) :: active(:)
+      integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: from, to, first, last, k
+
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         first = c%hold_to((from - 1)/BLOCK) + 1
+         last = c%hold_to((to + BLOCK - 1)/BLOCK)
+         call keep_rates(c, first, last, state)
+         call half_kick(model, c, h, from, to, state)
+         call project(model, c, target, active, SECOND_HALF, first, last, state)
+         to = min(to, model%n_body)
+         do k = 1, 3
+            state%turn(from:to, k) = state%turn(from:to, k) + state%poses%psi(from:to, k)
+         end do
+      end do
+   end subroutine kick_leads
+
+   !> Add the wrenches of the joints to the leads lo..hi, at most BLOCK
+   pure subroutine gather(model, ready, round, lo, hi, state)
+      type(model_t), intent(in) :: model
+      logical, intent(in) :: ready(:)                !! (parts of hubs) summed
+      integer, intent(in) :: round                   !! of their sums
+      integer, intent(in) :: lo, hi
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp), dimension(BLOCK, 3) :: f, t
+      real(wp), dimension(BLOCK) :: kn, kr            ! these wrenches have none
+      integer :: n
+
+      call gather_wrenches(model%map, state%wrench, ready, state%part(:, :, round, 0), lo, hi, f, &
+         t, kn, kr)
+      n = hi - lo + 1
+      state%f(lo:hi, :) = state%f(lo:hi, :) + f(:n, :)
+      state%t(lo:hi, :) = state%t(lo:hi, :) + t(:n, :)
+   end subroutine gather
+
+end module kj_consistent_leads

@@ -1,0 +1,361 @@
+!> The march of a consistent run: equal steps up to a wanted time, none longer than the limit, which
+!> is found anew as the scene moves; and the ledger of energy.
+module kj_consistent_march
+   use kj_kinds, only: wp
+   use kj_model, only: model_t
+   use kj_skew, only: axis_of
+   use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE
+   use kj_consistent_batch, only: consistent_batch_t, CHART_VECTOR
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_block, only: BLOCK
+   use kj_consistent_chart, only: quaternion_frame
+   use kj_consistent_body, only: spin_velocity
+   use kj_consistent_conditions, only: held_force
+   use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound, has_moved
+   use kj_consistent_nodal_step, only: nodal_bound
+   use kj_consistent_impact_step, only: contact_t, watch_stops
+   use kj_consistent_load, only: field_at
+   use kj_consistent_step, only: split_steps
+   use kj_consistent_rkmk, only: rkmk_step
+   implicit none
+   private
+
+   public :: march_t, start_march, march, balance_ledger, close_ledger, full_turn
+
+   integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3   !! integrators
+   integer, parameter :: LOOK = 8                !! steps between two looks at the bound
+
+   ! Joints that start with a jump ring, and near the limit ten times as far as they should, at the
+   ! cost of the energy. So a run starts with shorter steps until the ringing has died down.
+   real(wp), parameter :: START_PART = 1.0_wp/3.0_wp   !! of the step
+   real(wp), parameter :: START_SPAN = 100.0_wp        !! for so many times the limit
+
+   !> Where the march stands
+   type :: march_t
+      integer :: integrator = SPLIT2
+      logical :: nodal = .false.                 !! nodal rule instead of the safe bound
+      real(wp) :: factor = 0.9_wp                !! of the limit
+      real(wp) :: most = huge(1.0_wp)            !! largest step allowed by the deck
+      real(wp) :: first = huge(1.0_wp)           !! largest first step allowed by the deck
+      real(wp) :: limit = huge(1.0_wp)           !! longest step now
+      real(wp) :: start_end = 0.0_wp             !! time until which steps are shorter
+      logical :: starting = .false.              !! limit is still the shorter one
+      integer :: joint = 0                       !! who holds it, index among all joints
+      type(bound_t) :: bound
+      type(contact_t) :: contact                 !! stops that are met
+      ! steps to the time that is marched to; none left: to be found
+      real(wp) :: t_end = 0.0_wp
+      real(wp) :: h = 0.0_wp
+      integer :: left = 0
+      integer :: since = 0                       !! steps since the last look at the bound
+   end type march_t
+
+contains
+
+   !> Find the first limit, and the ledger at the start
+   subroutine start_march(model, c, state, self)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(inout) :: state
+      type(march_t), intent(inout) :: self
+
+      state%by_steps = self%integrator /= RKMK4
+      self%left = 0
+      call new_bound(model, c, .not. state%by_steps, state, self%bound)
+      call take_limit(model, c, state, self)
+      if (self%limit >= self%most .or. self%integrator == RKMK4) return
+      self%start_end = state%time + START_SPAN*self%limit/self%factor
+      call take_limit(model, c, state, self)
+   end subroutine start_march
+
+   !> The longest step now: factor of the limit, less at the start, or what the deck allows
+   subroutine take_limit(model, c, state, self)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+      type(march_t), intent(inout) :: self
+
+      real(wp) :: h
+
+      h = self%bound%h
+      if (self%nodal) call nodal_bound(model, c, state, h)
+      self%limit = self%most
+      self%joint = 0
+      self%starting = state%time < self%start_end
+      if (h > self%most/self%factor) return
+      self%limit = h*self%factor
+      if (self%starting) self%limit = START_PART*self%limit
+      if (.not. self%nodal) self%joint = self%bound%joint
+   end subroutine take_limit
+
+   !> Steps towards t_end, at most `steps` of them; arrived: t_end is reached. The next call with
+   !> the same t_end goes on as if it were the same one.
+   subroutine march(model, c, t_end, steps, self, state, arrived)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: t_end
+      integer, intent(in) :: steps
+      type(march_t), intent(inout) :: self
+      type(consistent_state_t), intent(inout) :: state
+      logical, intent(out) :: arrived
+
+      integer :: left, now
+
+      arrived = .not. t_end > state%time
+      if (arrived) return
+      if (self%left == 0 .or. abs(t_end - self%t_end) > 0.0_wp) then
+         if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
+            call change_step(model, c, self%first, state)
+            call take_steps(model, c, self%integrator, self%first, 1, state)
+         end if
+         self%t_end = t_end
+         self%since = 0
+         call watch_stops(c, state, self%limit, LOOK, self%contact)
+         call divide_way(model, c, self, state)
+      end if
+      left = steps
+      do while (left > 0)
+         now = min(left, self%left, LOOK - self%since)
+         call take_steps(model, c, self%integrator, self%h, now, state)
+         left = left - now
+         self%left = self%left - now
+         self%since = self%since + now
+         arrived = self%left == 0
+         if (arrived) exit
+         if (self%since == LOOK) call look_ahead(model, c, self, state)
+      end do
+      if (.not. arrived) return
+      state%time = t_end
+      call renew_bound(c, state, self%bound)
+      call take_limit(model, c, state, self)
+   end subroutine march
+
+   !> Do the steps still hold where the scene is now?
+   subroutine look_ahead(model, c, self, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(march_t), intent(inout) :: self
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: contact_h
+      logical :: renew
+
+      self%since = 0
+      renew = has_moved(c, state, self%bound) .or. &
+         (self%starting .and. state%time >= self%start_end)
+      contact_h = self%contact%h
+      call watch_stops(c, state, self%limit, LOOK, self%contact)
+      if (.not. renew .and. abs(self%contact%h - contact_h) <= 0.0_wp) return
+      if (renew) call renew_bound(c, state, self%bound)
+      if (renew) call take_limit(model, c, state, self)
+      call divide_way(model, c, self, state)
+   end subroutine look_ahead
+
+   !> Equal steps to where the march goes
+   subroutine divide_way(model, c, self, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(march_t), intent(inout) :: self
+      type(consistent_state_t), intent(inout) :: state
+
+      self%left = needed_steps(self%t_end - state%time, min(self%limit, self%contact%h))
+      self%h = (self%t_end - state%time)/self%left
+      call change_step(model, c, self%h, state)
+   end subroutine divide_way
+
+   !> n steps of h
+   subroutine take_steps(model, c, integrator, h, n, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      integer, intent(in) :: integrator
+      real(wp), intent(in) :: h
+      integer, intent(in) :: n
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i
+
+      if (integrator == RKMK4) then
+         do i = 1, n
+            call rkmk_step(model, c, h, state)
+         end do
+      else
+         call split_steps(model, c, integrator == LIEMID, h, n, state)
+      end if
+   end subroutine take_steps
+
+   !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
+   !> ends, and that has something that hangs on them; 0 when there is none
+   pure integer function full_turn(c, state) result(joint)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+
+      real(wp), parameter :: NEAR = 6.2_wp           !! a little less than 2 pi [rad]
+      integer :: b, i
+
+      do b = 1, size(c%batch)
+         if (c%batch(b)%chart /= CHART_VECTOR) cycle
+         associate (q => state%joint(b)%q)
+            do i = 1, c%batch(b)%n
+               if (.not. q(i, 4)**2 + q(i, 5)**2 + q(i, 6)**2 > NEAR**2) cycle
+               joint = c%batch(b)%first + i
+               if (needs_angles(c%batch(b), i)) return
+            end do
+         end associate
+      end do
+      joint = 0
+   end function full_turn
+
+   !> Joint i has a spring, a stop, a lock, a limit of friction or a mean frame that hangs on its
+   !> angles
+   pure logical function needs_angles(batch, i) result(needs)
+      type(consistent_batch_t), intent(in) :: batch
+      integer, intent(in) :: i
+
+      needs = .not. batch%plain(i) .or. &
+         any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
+      if (.not. batch%limited) return
+      associate (l => batch%limit)
+         needs = needs .or. any(l%lo(i, 4:6) < 0.0_wp) .or. any(l%hi(i, 4:6) > 0.0_wp) .or. &
+            any(l%slip_curve(i, 4:6) > 0) .or. l%t_lock(i) < huge(1.0_wp)
+      end associate
+   end function needs_angles
+
+   pure integer function needed_steps(span, limit) result(n)
+      real(wp), intent(in) :: span, limit
+
+      n = max(1, ceiling(min(span/limit, 1.0e9_wp) - 1.0e-6_wp))
+   end function needed_steps
+
+   !> A new step moves the h^2/8 term of the ledger: keep S where it is
+   subroutine change_step(model, c, h, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+
+      if (abs(h - state%h) <= 0.0_wp) return
+      state%offset = state%offset + (h**2 - state%h**2)/8.0_wp*kick_term(model, c, state)
+      state%h = h
+   end subroutine change_step
+
+   !> Sum over leads of F.F/m + T.J^-1 T, without what conditions take
+   real(wp) function kick_term(model, c, state) result(q)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+
+      real(wp) :: part((model%n_lead + BLOCK - 1)/BLOCK)
+      integer :: b
+
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
+      do b = 1, size(part)
+         part(b) = kick_of(c, state, BLOCK*(b - 1) + 1, min(BLOCK*b, model%n_lead))
+      end do
+      q = sum(part)
+   end function kick_term
+
+   !> The same of leads lo..hi, a block or less
+   real(wp) function kick_of(c, state, lo, hi) result(q)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: lo, hi
+
+      real(wp) :: f(3), t(3), quat(BLOCK, 4), e(BLOCK, 9)
+      integer :: i, k, n
+
+      n = hi - lo + 1
+      q = 0.0_wp
+      quat(:n, :) = state%poses%quat(lo:hi, :)
+      call quaternion_frame(n, quat, e)
+      do i = 1, n
+         f = state%f(lo + i - 1, :)
+         t = state%t(lo + i - 1, :)
+         if (c%hold_of(lo + i - 1) > 0) call held_force(c, state, c%hold_of(lo + i - 1), f, t)
+         q = q + c%im(lo + i - 1)*dot_product(f, f)
+         do k = 1, 3
+            q = q + c%ii(lo + i - 1, k)*dot_product(e(i, 3*k - 2:3*k), t)**2
+         end do
+      end do
+   end function kick_of
+
+   !> Ledger S = kinetic + work on joints + potential - external work - h^2/8 kick term, and its
+   !> change since the start over the largest kinetic + elastic + |work| so far
+   subroutine balance_ledger(model, c, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: kinetic, joints, s
+      integer :: b
+
+      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      kinetic = 0.5_wp*(sum(model%mass*sum(state%v**2, dim=2)) + sum(state%l*state%poses%w))
+      joints = 0.0_wp
+      state%energy = 0.0_wp
+      do b = 1, size(state%joint)
+         state%energy = state%energy + sum(state%joint(b)%elastic)
+         joints = joints + sum(state%joint(b)%elastic) + sum(state%joint(b)%dissipated)
+      end do
+      state%energy = kinetic + state%energy
+      s = kinetic + joints + potential(model, c, state) - state%work
+      if (state%by_steps) s = s - state%h**2/8.0_wp*kick_term(model, c, state) + state%offset
+      if (state%cycle == 0) then
+         state%s0 = s
+         state%scale = energy_of_rounding(c, state)
+      end if
+      call close_ledger(s - state%s0, state)
+   end subroutine balance_ledger
+
+   !> The change of S as a fraction of the largest energy so far
+   pure subroutine close_ledger(change, state)
+      real(wp), intent(in) :: change
+      type(consistent_state_t), intent(inout) :: state
+
+      state%change = change
+      state%scale = max(state%scale, state%energy + abs(state%work))
+      state%error = 0.0_wp
+      if (state%scale > 0.0_wp) state%error = change/state%scale
+   end subroutine close_ledger
+
+   !> Energy of joints strained by a thousand times the rounding of coordinates: below it an energy
+   !> means nothing, and a scene at rest has no other.
+   pure real(wp) function energy_of_rounding(c, state) result(u)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+
+      real(wp), parameter :: STRAIN = 1.0e3_wp*epsilon(1.0_wp)
+      real(wp) :: reach
+      integer :: b, i
+
+      u = 0.0_wp
+      do b = 1, size(c%batch)
+         associate (k => c%batch(b)%k, lead => c%batch(b)%lead)
+            do i = 1, c%batch(b)%n
+               reach = maxval(abs(state%poses%x(lead(i, :), :))) + maxval(abs(c%batch(b)%arm(i, :)))
+               u = u + 0.5_wp*STRAIN**2*(reach**2*sum(abs(k(i, 1:3))) + sum(abs(k(i, 4:6))))
+            end do
+         end associate
+      end do
+   end function energy_of_rounding
+
+   !> Potential of constant gravity, 0 at the start
+   pure real(wp) function potential(model, c, state) result(u)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+
+      real(wp) :: g(3)
+      integer :: i, k, lead
+
+      u = 0.0_wp
+      do i = 1, size(model%gravity)
+         if (.not. c%steady(i)) cycle
+         g = field_at(model, state, model%gravity(i))
+         do k = 1, size(model%gravity(i)%node)
+            lead = model%gravity(i)%node(k)
+            u = u - model%mass(lead)*dot_product(g, state%poses%d(lead, :))
+         end do
+      end do
+   end function potential
+
+end module kj_consistent_march

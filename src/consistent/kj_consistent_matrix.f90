@@ -1,0 +1,151 @@
+!> The matrix B of blocks of joints at work: rates q' = B u from the velocities of the leads, and
+!> wrenches -B^T F on them. What its columns are stands in kj_consistent_chart.
+!> Source: consistent.md 1.
+module kj_consistent_matrix
+   use kj_kinds, only: wp
+   use kj_joint_types, only: NDOF
+   use kj_block, only: BLOCK
+   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, N_B
+   implicit none
+   private
+
+   public :: poses_t, rates, joint_rates, add_moment, put_wrench
+
+   logical, parameter :: ALL_DOFS(NDOF) = .true.
+
+   !> force on end 1, moment about lead 1, about lead 2
+   integer, parameter, public :: N_CONSISTENT_WRENCH = 9
+
+   !> What joints see of the leads, joint-independent arrays
+   type :: poses_t
+      real(wp) :: time = 0.0_wp
+      real(wp) :: h = 0.0_wp                      !! step that led here, 0 = none
+      real(wp), allocatable :: x(:, :)            !! (n_lead, 3) W
+      !> (n_lead, 3) displacement: what joints read, so that a scene may lie far away
+      real(wp), allocatable :: d(:, :)
+      real(wp), allocatable :: quat(:, :)         !! (n_lead, 4) attitude: world from body axes
+      real(wp), allocatable :: v(:, :), w(:, :)   !! (n_lead, 3) velocities; predicted in pass 2
+      !> (n_lead, 3) angular velocity of the half step, before its drift
+      real(wp), allocatable :: w_left(:, :)
+      !> (n_lead, 3) turn in the last step, rotation vector
+      real(wp), allocatable :: psi(:, :)
+      real(wp), allocatable :: im(:)              !! (n_lead) inverse mass times number of joints
+      !> (n_lead, 6) inverse inertia xx yy zz xy xz yz, W, times joints
+      real(wp), allocatable :: ij(:, :)
+   end type poses_t
+
+contains
+
+   !> moment := moment + f1 rot1 + f2 rot2 + f3 rot3
+   pure subroutine add_moment(n, f, rot, moment)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: f(BLOCK, 3), rot(BLOCK, 9)
+      real(wp), intent(inout) :: moment(BLOCK, 3)
+
+      integer :: i, k
+
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            moment(i, k) = moment(i, k) + f(i, 1)*rot(i, k) + f(i, 2)*rot(i, k + 3) + &
+               f(i, 3)*rot(i, k + 6)
+         end do
+      end do
+   end subroutine add_moment
+
+   !> Force on end 1 and moments about the leads of both ends
+   pure subroutine put_wrench(n, f, moment, b, wrench)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: f(BLOCK, 3)         !! forces of the translations
+      real(wp), intent(in) :: moment(BLOCK, 3)    !! of the rotations, on body 1, W
+      real(wp), intent(in) :: b(BLOCK, N_B)
+      real(wp), intent(inout) :: wrench(:, :)     !! (N_CONSISTENT_WRENCH, n and more)
+
+      real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
+      integer :: i, k
+
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            w(i, k) = f(i, 1)*b(i, k) + f(i, 2)*b(i, k + 3) + f(i, 3)*b(i, k + 6)
+            w(i, k + 3) = f(i, 1)*b(i, k + 9) + f(i, 2)*b(i, k + 12) + f(i, 3)*b(i, k + 15) + &
+               moment(i, k)
+         end do
+      end do
+      !$omp simd
+      do i = 1, n
+         w(i, 7) = (b(i, 29)*w(i, 3) - b(i, 30)*w(i, 2)) - w(i, 4)
+         w(i, 8) = (b(i, 30)*w(i, 1) - b(i, 28)*w(i, 3)) - w(i, 5)
+         w(i, 9) = (b(i, 28)*w(i, 2) - b(i, 29)*w(i, 1)) - w(i, 6)
+      end do
+      do i = 1, n
+         do k = 1, N_CONSISTENT_WRENCH
+            wrench(k, i) = w(i, k)
+         end do
+      end do
+   end subroutine put_wrench
+
+   !> Rates of all joints of a batch with the velocities of the poses
+   pure subroutine joint_rates(batch, poses, joint, rate)
+      type(consistent_batch_t), intent(in) :: batch
+      type(poses_t), intent(in) :: poses
+      type(consistent_joint_t), intent(in) :: joint
+      real(wp), intent(out) :: rate(:, :)        !! (n, 6) J
+
+      real(wp) :: part(BLOCK, 6)
+      integer :: from, n
+
+      do from = 1, batch%n, BLOCK
+         n = min(BLOCK, batch%n - from + 1)
+         call rates(batch, ALL_DOFS, poses%v, poses%w, from, n, &
+            joint%b(:, :, (from - 1)/BLOCK + 1), part)
+         rate(from:from + n - 1, :) = part(:n, :)
+      end do
+   end subroutine joint_rates
+
+   !> q' = B v: translations e.(v2 - v1 - w2 x d) + m1.(w2 - w1), rotations rot.(w2 - w1)
+   pure subroutine rates(batch, on, v, w, from, n, b, rate)
+      type(consistent_batch_t), intent(in) :: batch
+      logical, intent(in) :: on(NDOF)            !! rates that are wanted
+      real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3)
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: b(BLOCK, N_B)
+      real(wp), intent(out) :: rate(BLOCK, 6)
+
+      real(wp), dimension(BLOCK, 3) :: dv, w2, dw
+      integer :: i, k, lead1, lead2
+
+      do i = 1, n
+         lead1 = batch%lead(from + i - 1, 1)
+         lead2 = batch%lead(from + i - 1, 2)
+         do k = 1, 3
+            dv(i, k) = v(lead2, k) - v(lead1, k)
+            w2(i, k) = w(lead2, k)
+            dw(i, k) = w2(i, k) - w(lead1, k)
+         end do
+      end do
+      !$omp simd
+      do i = 1, n
+         dv(i, 1) = dv(i, 1) - (w2(i, 2)*b(i, 30) - w2(i, 3)*b(i, 29))
+         dv(i, 2) = dv(i, 2) - (w2(i, 3)*b(i, 28) - w2(i, 1)*b(i, 30))
+         dv(i, 3) = dv(i, 3) - (w2(i, 1)*b(i, 29) - w2(i, 2)*b(i, 28))
+      end do
+      do k = 0, 2
+         if (on(1 + k)) then
+            !$omp simd
+            do i = 1, n
+               rate(i, 1 + k) = b(i, 3*k + 1)*dv(i, 1) + b(i, 3*k + 2)*dv(i, 2) + &
+                  b(i, 3*k + 3)*dv(i, 3) + &
+                  (b(i, 3*k + 10)*dw(i, 1) + b(i, 3*k + 11)*dw(i, 2) + b(i, 3*k + 12)*dw(i, 3))
+            end do
+         end if
+         if (.not. on(4 + k)) cycle
+         !$omp simd
+         do i = 1, n
+            rate(i, 4 + k) = b(i, 3*k + 19)*dw(i, 1) + b(i, 3*k + 20)*dw(i, 2) + &
+               b(i, 3*k + 21)*dw(i, 3)
+         end do
+      end do
+   end subroutine rates
+
+end module kj_consistent_matrix

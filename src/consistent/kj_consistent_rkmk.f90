@@ -1,0 +1,187 @@
+!> Munthe-Kaas Runge-Kutta step of fourth order: four force evaluations, dampers from the velocities
+!> of each stage. To verify the other integrators, and for soft joints.
+!> Source: accuracy.md (rkmk4); Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115.
+module kj_consistent_rkmk
+   use kj_kinds, only: wp
+   use kj_math3, only: cross
+   use kj_block, only: BLOCK
+   use kj_model, only: model_t
+   use kj_consistent_dampers, only: count_damping
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_body, only: spin_velocity, turn_in_space
+   use kj_consistent_conditions, only: project_all, keep_rates, motion_targets, WHOLE
+   use kj_consistent_load, only: load_power
+   use kj_consistent_step, only: find_forces, reach_motions
+   implicit none
+   private
+
+   public :: rkmk_step
+
+   real(wp), parameter :: NODE(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp]
+   real(wp), parameter :: WEIGHT(4) = [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp]/6.0_wp
+
+   !> Rates of one stage, or their weighted sum
+   type :: rates_t
+      real(wp), allocatable :: x(:, :), turn(:, :), v(:, :), l(:, :)   !! (n_lead, 3)
+   end type rates_t
+
+contains
+
+   !> From t to t + h. Forces at t must be there (as after any step).
+   subroutine rkmk_step(model, c, h, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+
+      type(rates_t) :: stage, total
+      real(wp) :: x(model%n_lead, 3), d(model%n_lead, 3), quat(model%n_lead, 4), &
+         v(model%n_lead, 3), &
+         l(model%n_lead, 3), time, work
+      real(wp) :: mean(size(model%motion)), final(size(model%motion)), there(size(model%motion))
+      logical :: active(size(model%motion))
+      integer :: s
+
+      state%h = h
+      state%by_steps = .false.
+      x = state%poses%x
+      d = state%poses%d
+      quat = state%poses%quat
+      v = state%v
+      l = state%l
+      time = state%time
+      work = state%work
+      call motion_targets(model, state, h, mean, final, active)
+      call keep_rates(c, 1, size(c%hold), state)
+      call zero(model%n_lead, total)
+      call zero(model%n_lead, stage)
+      do s = 1, 4
+         if (s > 1) then
+            call move(model, c, h*NODE(s), x, d, quat, v, l, stage, state)
+            state%time = time
+            call hold_stage(model, c, h*NODE(s), time, state, there)
+            call find_forces(model, c, 0.0_wp, there, active, state)
+         end if
+         call take_rates(model, c, h*WEIGHT(s), h*NODE(s), state, work, stage)
+         call add(WEIGHT(s), stage, total)
+      end do
+      call move(model, c, h, x, d, quat, v, l, total, state)
+      state%cycle = state%cycle + 1
+      state%time = time + h
+      state%work = work
+      call project_all(model, c, final, active, WHOLE, state)
+      work = state%work
+      call reach_motions(model, h, mean, final, active, state)
+      state%poses%v = state%v
+      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      state%poses%psi = h*total%turn
+      state%turn = state%turn + state%poses%psi(:model%n_body, :)
+      call find_forces(model, c, 0.0_wp, final, active, state)
+      state%work = work
+   end subroutine rkmk_step
+
+   subroutine zero(n, rates)
+      integer, intent(in) :: n
+      type(rates_t), intent(out) :: rates
+
+      allocate (rates%x(n, 3), rates%turn(n, 3), rates%v(n, 3), rates%l(n, 3), source=0.0_wp)
+   end subroutine zero
+
+   subroutine add(weight, stage, total)
+      real(wp), intent(in) :: weight
+      type(rates_t), intent(in) :: stage
+      type(rates_t), intent(inout) :: total
+
+      total%x = total%x + weight*stage%x
+      total%turn = total%turn + weight*stage%turn
+      total%v = total%v + weight*stage%v
+      total%l = total%l + weight*stage%l
+   end subroutine add
+
+   !> State at t plus h times the rates
+   subroutine move(model, c, h, x, d, quat, v, l, rates, state)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: x(:, :), d(:, :), quat(:, :), v(:, :), l(:, :)
+      type(rates_t), intent(in) :: rates
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: phi(BLOCK, 3), q(BLOCK, 4)
+      integer :: from, to, n
+
+      state%poses%x = x + h*rates%x
+      state%poses%d = d + h*rates%x
+      state%v = v + h*rates%v
+      state%l = l + h*rates%l
+      do from = 1, model%n_lead, BLOCK
+         to = min(from + BLOCK - 1, model%n_lead)
+         n = to - from + 1
+         phi(:n, :) = h*rates%turn(from:to, :)
+         q(:n, :) = quat(from:to, :)
+         call turn_in_space(n, phi, q)
+         state%poses%quat(from:to, :) = q(:n, :)/spread(norm2(q(:n, :), dim=2), 2, 4)
+      end do
+      state%poses%v = state%v
+      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+   end subroutine move
+
+   !> Conditions and drives on the velocities of a stage
+   subroutine hold_stage(model, c, h, time, state, target)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: h                      !! from the start of the step to the stage
+      real(wp), intent(in) :: time
+      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(out) :: target(:)             !! velocities of the drives at the stage
+
+      real(wp) :: mean(size(model%motion))
+      logical :: active(size(model%motion))
+
+      call motion_targets(model, state, h, mean, target, active)
+      state%time = time + h
+      call project_all(model, c, target, active, WHOLE, state)
+      state%poses%v = state%v
+      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+   end subroutine hold_stage
+
+   !> Rates of a stage; its share of the work of loads and of what the dampers take.
+   !>
+   !> The turn since the start is u: u' = w - u x w/2 + u x (u x w)/12
+   subroutine take_rates(model, c, share, since, state, work, stage)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      real(wp), intent(in) :: share, since
+      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(inout) :: work
+      type(rates_t), intent(inout) :: stage
+
+      real(wp) :: u(3), w(3)
+      integer :: i, b
+
+      state%poses%v = state%v
+      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      do b = 1, size(c%batch)
+         if (.not. c%batch(b)%damped) cycle
+         do i = 1, c%batch(b)%n, BLOCK
+            call count_damping(c%batch(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
+               min(BLOCK, c%batch(b)%n - i + 1), state%joint(b)%b(:, :, (i - 1)/BLOCK + 1), &
+               state%joint(b))
+         end do
+      end do
+      work = work + share*load_power(model, c, state)
+      associate (n => model%n_body)
+         state%impulse = state%impulse + share*(state%f(:n, :) - state%own_f(:n, :))
+         state%angular_impulse = state%angular_impulse + share*(state%t(:n, :) - state%own_t(:n, :))
+      end associate
+      do i = 1, model%n_lead
+         u = since*stage%turn(i, :)
+         w = state%poses%w(i, :)
+         stage%x(i, :) = state%v(i, :)
+         stage%turn(i, :) = w - 0.5_wp*cross(u, w) + cross(u, cross(u, w))/12.0_wp
+         stage%v(i, :) = c%im(i)*state%f(i, :)
+         stage%l(i, :) = state%t(i, :)
+      end do
+   end subroutine take_rates
+
+end module kj_consistent_rkmk

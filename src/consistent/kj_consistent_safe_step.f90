@@ -1,0 +1,381 @@
+!> The safe time-step bound of a scene under the consistent formulation;
+!> kj_consistent_nodal_step has others.
+!> Damping is implicit, so stiffness alone counts (kappa = 0).
+!>
+!> Safe: with the mass of each body shared among its joints, M = sum s_bj M_b, the step is stable if
+!> 4 M_j - h^2 K_j > 0 for every joint alone: h = 2/sqrt(max lambda_j), lambda_j the largest
+!> eigenvalue of K^1/2 (sum_b B_b M_b^-1 B_b^T / s_bj) K^1/2.
+!> Source: consistent.md 4.
+module kj_consistent_safe_step
+   use kj_kinds, only: wp
+   use kj_math3, only: cross
+   use kj_joint_batch, only: LAW_DAMPER_CURVE
+   use kj_model, only: model_t
+   use kj_block, only: BLOCK
+   use kj_consistent_batch, only: consistent_batch_t, matrix_of, CHART_VECTOR, CHART_LINE, N_B
+   use kj_consistent_compliance, only: end_inertias, compliance, eigenvalues_from_above
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_body, only: inverse_inertias
+   use kj_consistent_one_joint, only: largest_stiffness, steepest, curves_of, compliances, &
+      spin_up, eigenvalue
+   implicit none
+   private
+
+   public :: bound_t, new_bound, renew_bound, has_moved
+
+   !> The safe bound and what it rests on
+   type :: bound_t
+      real(wp) :: h = huge(1.0_wp)               !! the bound, unscaled
+      integer :: joint = 0                       !! who holds it: index among all joints, 0 = none
+      real(wp), allocatable :: share(:, :)       !! (2, n_element) of the mass of each end's lead
+      real(wp), allocatable :: k(:, :)           !! (6, n_element) largest stiffness of each dof
+      !> (6, n_element) largest damping of each dof; not allocated where damping is implicit
+      real(wp), allocatable :: c(:, :)
+      real(wp), allocatable :: limit(:)          !! (n_element) step that each joint allows
+      real(wp), allocatable :: q(:, :)           !! (n_element, 6) coordinates then
+      real(wp), allocatable :: reach(:)          !! (n_element) slide that asks for a new evaluation
+      !> (27, n_element) of springs: directions and couples, then
+      real(wp), allocatable :: rows(:, :)
+   end type bound_t
+
+   integer, parameter :: SWEEPS = 4
+   logical, parameter :: ALL_DOFS(6) = .true.
+   real(wp), parameter :: LEAST_SHARE = 1.0e-9_wp
+   !> of |h lambda|: stable to 2.6, but RK4 damps by h^6 before
+   real(wp), parameter :: RK4_RADIUS = 1.0_wp
+   !> relative turn that asks for a new evaluation [rad]
+   real(wp), parameter :: TURN = 0.05_wp
+
+contains
+
+   !> Stiffnesses and shares, and the bound in the present pose
+   subroutine new_bound(model, c, explicit, state, bound)
+      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: c
+      !> Runge-Kutta of fourth order with explicit damping
+      logical, intent(in) :: explicit
+      type(consistent_state_t), intent(inout) :: state    !! of the poses the inverse inertias
+      type(bound_t), intent(out) :: bound
+
+      real(wp) :: s(6, 6, 2), total(model%n_lead), lambda(model%n_element)
+      integer :: b, i, j, e, sweep
+
+      allocate (bound%share(2, model%n_element), bound%k(6, model%n_element), &
+         bound%limit(model%n_element))
+      allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), source=0.0_wp)
+      if (explicit) allocate (bound%c(6, model%n_element))
+      if (any(c%batch%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            bound%k(:, j) = largest_stiffness(model%curves, c%batch(b), i)
+            if (c%batch(b)%chart == CHART_LINE) &
+               bound%k(2:3, j) = tension(c%batch(b), state, b, i, bound%k(1, j))
+            if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, c%batch(b)%law, &
+               c%batch(b)%c(i, :), curves_of(c%batch(b)%c_curve, i))
+            call compliances(c, state, b, i, s)
+            do e = 1, 2
+               bound%share(e, j) = eigenvalue(bound%k(:, j), s(:, :, e))
+            end do
+         end do
+      end do
+      lambda = 1.0_wp
+      do sweep = 0, SWEEPS
+         total = 0.0_wp
+         call add_up(c, bound, lambda, total)
+         call divide(c, bound, lambda, total)
+         call eigenvalues_from_blocks(c, bound, state, lambda)
+      end do
+      call eigenvalues(c, state, bound, lambda)
+      call take(bound, lambda)
+      call keep_pose(c, state, bound)
+   end subroutine new_bound
+
+   !> The bound in the present pose with the shares as they are, from below by at most 0.4 %
+   subroutine renew_bound(c, state, bound)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(inout) :: state    !! of the poses the inverse inertias
+      type(bound_t), intent(inout) :: bound
+
+      real(wp) :: lambda(size(bound%limit))
+      integer :: b, i
+
+      do b = 1, size(c%batch)
+         if (c%batch(b)%chart /= CHART_LINE) cycle
+         do i = 1, c%batch(b)%n
+            associate (k => bound%k(:, c%batch(b)%first + i))
+               k(2:3) = tension(c%batch(b), state, b, i, k(1))
+            end associate
+         end do
+      end do
+      call eigenvalues_from_blocks(c, bound, state, lambda)
+      call take(bound, lambda)
+      call keep_pose(c, state, bound)
+   end subroutine renew_bound
+
+   !> Largest eigenvalues of all joints, from above
+   subroutine eigenvalues_from_blocks(c, bound, state, lambda)
+      type(consistent_model_t), intent(in) :: c
+      type(bound_t), intent(in) :: bound
+      type(consistent_state_t), intent(inout) :: state    !! of the poses the inverse inertias
+      real(wp), intent(out) :: lambda(:)         !! (n_element)
+
+      integer :: piece
+
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
+      do piece = 1, size(c%team%lead, 2)
+         call inverse_inertias(c, state%poses%quat, c%team%lead(1, piece), &
+            c%team%lead(2, piece), state%poses%ij)
+      end do
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
+      do piece = 1, size(c%team%joint, 2)
+         call eigenvalues_of_piece(c, state, bound, c%team%joint(:, piece), lambda)
+      end do
+   end subroutine eigenvalues_from_blocks
+
+   !> Largest eigenvalues of some joints of a batch, from above
+   pure subroutine eigenvalues_of_piece(c, state, bound, piece, lambda)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+      integer, intent(in) :: piece(3)            !! batch, first, last joint
+      real(wp), intent(inout) :: lambda(:)       !! (n_element)
+
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), k(BLOCK, 6), &
+         c_part(BLOCK, 6), part(BLOCK), root(BLOCK), w1, w2, g
+      integer :: from, n, i, j
+
+      associate (batch => c%batch(piece(1)), joint => state%joint(piece(1)))
+         do from = piece(2), piece(3), BLOCK
+            n = min(BLOCK, piece(3) - from + 1)
+            call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
+            do i = 1, n
+               j = batch%first + from + i - 1
+               w1 = 1.0_wp/(bound%share(1, j)*c%n_joint(batch%lead(from + i - 1, 1)))
+               w2 = 1.0_wp/(bound%share(2, j)*c%n_joint(batch%lead(from + i - 1, 2)))
+               im(i, :) = im(i, :)*[w1, w2]
+               ij1(i, :) = ij1(i, :)*w1
+               ij2(i, :) = ij2(i, :)*w2
+               g = 1.0_wp
+               if (batch%chart == CHART_VECTOR) g = spin_up(joint%q(from + i - 1, 4:6))
+               k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
+               if (.not. allocated(bound%c)) cycle
+               c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
+            end do
+            call compliance(n, ALL_DOFS, joint%b(:, :, (from - 1)/BLOCK + 1), im, ij1, ij2, s)
+            call eigenvalues_from_above(n, s, k, part)
+            if (allocated(bound%c)) then
+               call eigenvalues_from_above(n, s, c_part, root)
+               part(:n) = explicit(part(:n), root(:n))
+            end if
+            lambda(batch%first + from:batch%first + from + n - 1) = part(:n)
+         end do
+      end associate
+   end subroutine eigenvalues_of_piece
+
+   !> Eigenvalue that limits Runge-Kutta of fourth order when damping has one too, NaN when that
+   !> is none
+   elemental real(wp) function explicit(stiffness, damping) result(lambda)
+      real(wp), intent(in) :: stiffness, damping
+
+      lambda = stiffness
+      if (.not. damping <= 0.0_wp) &
+         lambda = ((0.5_wp*damping + sqrt((0.5_wp*damping)**2 + stiffness))*2.0_wp/RK4_RADIUS)**2
+   end function explicit
+
+   !> Transverse stiffness F/L of a stretched spring along its line; k where it has no length
+   pure real(wp) function tension(batch, state, b, i, k) result(stiffness)
+      type(consistent_batch_t), intent(in) :: batch
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: b, i
+      real(wp), intent(in) :: k
+
+      real(wp) :: length
+
+      length = state%joint(b)%q(i, 1) + batch%xl0(i, 1)
+      stiffness = k
+      if (length > 0.0_wp) stiffness = max(0.0_wp, state%joint(b)%fe(i, 1)/length)
+   end function tension
+
+   !> Some joint has turned or slid so far since the last evaluation that the bound may be wrong
+   pure logical function has_moved(c, state, bound) result(moved)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+
+      integer :: b, from, to
+
+      moved = .true.
+      do b = 1, size(c%batch)
+         do from = 1, c%batch(b)%n, BLOCK
+            to = min(from + BLOCK - 1, c%batch(b)%n)
+            if (block_moved(from, to, c%batch(b)%first, state%joint(b)%q, bound)) return
+            if (.not. c%batch(b)%spring) cycle
+            if (axes_moved(c%batch(b), state, b, from, to, bound)) return
+         end do
+      end do
+      moved = .false.
+   end function has_moved
+
+   !> The same of the coordinates of joints from..to of a batch
+   pure logical function block_moved(from, to, first, q, bound) result(moved)
+      integer, intent(in) :: from, to, first     !! first: joints before the batch
+      real(wp), contiguous, intent(in) :: q(:, :)
+      type(bound_t), intent(in) :: bound
+
+      real(wp) :: worst
+      integer :: i, k
+
+      worst = 0.0_wp
+      do k = 1, 3
+         !$omp simd reduction(max: worst)
+         do i = from, to
+            worst = max(worst, abs(q(i, k) - bound%q(first + i, k)) - bound%reach(first + i), &
+               abs(q(i, k + 3) - bound%q(first + i, k + 3)) - TURN)
+         end do
+      end do
+      moved = worst > 0.0_wp
+   end function block_moved
+
+   !> Axes of springs do not turn with the coordinates alone
+   pure logical function axes_moved(batch, state, b, from, to, bound) result(moved)
+      type(consistent_batch_t), intent(in) :: batch
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: b, from, to
+      type(bound_t), intent(in) :: bound
+
+      real(wp) :: rows(27)
+      integer :: i, j
+
+      moved = .true.
+      do i = from, to
+         j = batch%first + i
+         rows = abs(rows_of(state, b, i) - bound%rows(:, j))
+         if (maxval(rows(:9)) > TURN .or. maxval(rows(10:)) > bound%reach(j)) return
+      end do
+      moved = .false.
+   end function axes_moved
+
+   !> Directions and couples of a spring
+   pure function rows_of(state, b, i) result(rows)
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: b, i
+      real(wp) :: rows(27)
+
+      real(wp) :: m(N_B)
+      integer :: k
+
+      m = matrix_of(state%joint(b), i)
+      rows(:18) = m(:18)
+      do k = 1, 7, 3
+         rows(k + 18:k + 20) = cross(m(28:30), m(k:k + 2)) - m(k + 9:k + 11)
+      end do
+   end function rows_of
+
+   !> Coordinates that the bound was found for
+   subroutine keep_pose(c, state, bound)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+      type(bound_t), intent(inout) :: bound
+
+      integer :: piece, i, j
+
+      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1) &
+      !$omp private(i, j)
+      do piece = 1, size(c%team%joint, 2)
+         associate (b => c%team%joint(1, piece))
+            do i = c%team%joint(2, piece), c%team%joint(3, piece)
+               j = c%batch(b)%first + i
+               bound%q(j, :) = state%joint(b)%q(i, :)
+               bound%reach(j) = TURN*max(tiny(1.0_wp), norm2(c%batch(b)%arm(i, 1:3)) + &
+                  norm2(c%batch(b)%arm(i, 4:6)) + norm2(c%batch(b)%xl0(i, :) + bound%q(j, 1:3)))
+               if (c%batch(b)%spring) bound%rows(:, j) = rows_of(state, b, i)
+            end do
+         end associate
+      end do
+   end subroutine keep_pose
+
+   !> The limits that eigenvalues set; one that is no finite number counts as the largest there is
+   subroutine take(bound, lambda)
+      type(bound_t), intent(inout) :: bound
+      real(wp), intent(inout) :: lambda(:)       !! (n_element)
+
+      integer :: j
+
+      where (.not. lambda <= huge(1.0_wp)) lambda = huge(1.0_wp)
+      bound%limit = huge(1.0_wp)
+      where (lambda > 0.0_wp) bound%limit = 2.0_wp/sqrt(lambda)
+      bound%h = huge(1.0_wp)
+      bound%joint = 0
+      if (size(lambda) == 0) return
+      j = maxloc(lambda, dim=1)
+      if (.not. lambda(j) > 0.0_wp) return
+      bound%h = bound%limit(j)
+      bound%joint = j
+   end subroutine take
+
+   subroutine eigenvalues(c, state, bound, lambda)
+      type(consistent_model_t), intent(in) :: c
+      type(consistent_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+      real(wp), intent(out) :: lambda(:)
+
+      real(wp) :: s(6, 6, 2)
+      integer :: b, i, j
+
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            call compliances(c, state, b, i, s)
+            s(:, :, 1) = s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j)
+            lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1))
+            if (allocated(bound%c)) &
+               lambda(j) = explicit(lambda(j), eigenvalue(bound%c(:, j), s(:, :, 1)))
+         end do
+      end do
+   end subroutine eigenvalues
+
+   !> total of each lead: share times lambda over its joints
+   pure subroutine add_up(c, bound, lambda, total)
+      type(consistent_model_t), intent(in) :: c
+      type(bound_t), intent(in) :: bound
+      real(wp), intent(in) :: lambda(:)
+      real(wp), intent(inout) :: total(:)
+
+      integer :: b, i, j, e
+
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            do e = 1, 2
+               total(c%batch(b)%lead(i, e)) = total(c%batch(b)%lead(i, e)) + &
+                  bound%share(e, j)*lambda(j)
+            end do
+         end do
+      end do
+   end subroutine add_up
+
+   !> share := share times lambda over the total of its lead
+   pure subroutine divide(c, bound, lambda, total)
+      type(consistent_model_t), intent(in) :: c
+      type(bound_t), intent(inout) :: bound
+      real(wp), intent(in) :: lambda(:), total(:)
+
+      integer :: b, i, j, e
+
+      do b = 1, size(c%batch)
+         do i = 1, c%batch(b)%n
+            j = c%batch(b)%first + i
+            do e = 1, 2
+               if (total(c%batch(b)%lead(i, e)) > 0.0_wp) then
+                  bound%share(e, j) = max(LEAST_SHARE, bound%share(e, j)* &
+                     lambda(j)/total(c%batch(b)%lead(i, e)))
+               else
+                  bound%share(e, j) = 1.0_wp
+               end if
+            end do
+         end do
+      end do
+   end subroutine divide
+
+end module kj_consistent_safe_step

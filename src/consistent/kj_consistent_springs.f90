@@ -1,0 +1,297 @@
+!> Forces of the joints of a batch under the consistent formulation: pass 1 of a step, coordinates,
+!> springs and limits from the poses. Pass 2, the dampers, is in kj_consistent_dampers.
+!> Source: consistent.md 1.
+module kj_consistent_springs
+   use kj_kinds, only: wp
+   use kj_curve, only: curve_set_t, law_value
+   use kj_joint_types, only: NDOF, FRAME_FIXED
+   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
+   use kj_block, only: BLOCK, turn_arm
+   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, CHART_TWIST, &
+      CHART_VECTOR, CHART_UNIVERSAL, N_B, sprung_dofs, damped_dofs
+   use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
+   use kj_consistent_dampers, only: count_damping
+   use kj_consistent_stop, only: add_limits
+   use kj_consistent_friction, only: turn_in_frame
+   use kj_consistent_chart, only: relative_pose, twist_chart, vector_chart, first_skew, spring_axes
+   use kj_consistent_universal, only: universal_chart
+   implicit none
+   private
+
+   public :: add_springs
+
+contains
+
+   !> Pass 1 for joints lo..hi: what the dampers took before the drift (B is still that of then),
+   !> coordinates, B, spring forces, spring work, rates with the velocities of the half step; wrench
+   !> of springs and limits, and of the dampers as they were.
+   !>
+   !> lo is the first joint of a block: a multiple of BLOCK, plus 1.
+   pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
+      type(consistent_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: lo, hi
+      type(consistent_joint_t), intent(inout) :: joint
+      real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_CONSISTENT_WRENCH, all joints)
+
+      real(wp) :: q(BLOCK, 6), f(BLOCK, 6), rot(BLOCK, 9), moment(BLOCK, 3), lost(BLOCK)
+      integer :: from, to, n, at, k
+      logical :: sprung(NDOF), damped(NDOF)
+
+      sprung = sprung_dofs(batch)
+      damped = damped_dofs(batch)
+      do from = lo, hi, BLOCK
+         to = min(from + BLOCK - 1, hi)
+         n = to - from + 1
+         at = (from - 1)/BLOCK + 1
+         if (batch%damped .and. poses%h > 0.0_wp) call count_damping(batch, poses%v, poses%w_left, &
+            poses%h, from, n, joint%b(:, :, at), joint)
+         call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
+         call laws(batch, curves, poses, from, n, q, joint%b(:, 19:27, at), joint, f, lost)
+         call keep_coordinates(from, n, sprung, q, f, joint)
+         if (batch%limited) then
+            joint%elastic(from:to) = joint%elastic(from:to) - lost(:n)
+            joint%dissipated(from:to) = joint%dissipated(from:to) + lost(:n)
+         end if
+         moment(:n, :) = 0.0_wp
+         if (batch%chart == CHART_VECTOR) then
+            if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
+         else if (any(sprung(4:6))) then
+            call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
+         end if
+         if (batch%damped) then
+            call rates(batch, damped, poses%v, poses%w, from, n, joint%b(:, :, at), q)
+            do k = 1, 6
+               if (.not. damped(k)) then
+                  q(:n, k) = 0.0_wp
+                  cycle
+               end if
+               joint%qd(from:to, k) = q(:n, k)
+               q(:n, k) = joint%fd(from:to, k)
+               if (batch%limited) q(:n, k) = q(:n, k) + joint%friction(from:to, k)
+            end do
+            f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
+            if (any(damped(4:6))) call add_moment(n, q(:, 4:6), joint%b(:, 19:27, at), moment)
+         end if
+         call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
+      end do
+   end subroutine add_springs
+
+   !> Keep coordinates and spring forces, and count the work done on the springs
+   pure subroutine keep_coordinates(from, n, sprung, q, f, joint)
+      integer, intent(in) :: from, n
+      logical, intent(in) :: sprung(NDOF)
+      real(wp), intent(in) :: q(BLOCK, 6), f(BLOCK, 6)
+      type(consistent_joint_t), intent(inout) :: joint
+
+      integer :: i, j, k
+
+      do k = 1, NDOF
+         if (.not. sprung(k)) then
+            joint%q(from:from + n - 1, k) = q(:n, k)
+            cycle
+         end if
+         !$omp simd private(j)
+         do i = 1, n
+            j = from + i - 1
+            joint%elastic(j) = joint%elastic(j) + &
+               0.5_wp*(q(i, k) - joint%q(j, k))*(f(i, k) + joint%fe(j, k))
+            joint%q(j, k) = q(i, k)
+            joint%fe(j, k) = f(i, k)
+         end do
+      end do
+   end subroutine keep_coordinates
+
+   !> Forces of springs, stops and locks, and the friction of the joints and its work; joint holds
+   !> the coordinates of the last step
+   pure subroutine laws(batch, curves, poses, from, n, q, rot, joint, f, lost)
+      type(consistent_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: q(BLOCK, 6), rot(BLOCK, 9)
+      type(consistent_joint_t), intent(inout) :: joint
+      real(wp), intent(out) :: f(BLOCK, 6), lost(BLOCK)
+
+      real(wp), dimension(BLOCK, 6) :: now, before, slid, friction
+      integer :: k, to
+
+      if (.not. (batch%shifted .or. batch%limited)) then
+         do k = 1, NDOF
+            call spring(batch, curves, from, n, k, q(:, k), f(:, k))
+         end do
+         return
+      end if
+      to = from + n - 1
+      now(:n, :) = q(:n, :)
+      before(:n, :) = joint%q(from:to, :)
+      if (batch%shifted) then
+         now(:n, 4:6) = now(:n, 4:6) + batch%shift(from:to, :)
+         before(:n, 4:6) = before(:n, 4:6) + batch%shift(from:to, :)
+      end if
+      do k = 1, NDOF
+         call spring(batch, curves, from, n, k, now(:, k), f(:, k))
+      end do
+      if (.not. batch%limited) return
+      slid(:n, :) = now(:n, :) - before(:n, :)
+      if (batch%chart == CHART_VECTOR) call turn_in_frame(batch, poses%psi, from, n, rot, slid)
+      friction(:n, :) = joint%friction(from:to, :)
+      call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, joint, f, &
+         lost)
+      joint%elastic(from:to) = joint%elastic(from:to) + 0.5_wp* &
+         sum(slid(:n, :)*(friction(:n, :) + joint%friction(from:to, :)), dim=2)
+   end subroutine laws
+
+   !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
+   !> not those of B (CHART_VECTOR)
+   pure subroutine coordinates(batch, poses, from, n, last, q, b, rot)
+      type(consistent_batch_t), intent(in) :: batch
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: last(:, :)            !! (n, 6) last coordinates of the whole batch
+      real(wp), intent(out) :: q(BLOCK, 6)
+      real(wp), intent(inout) :: b(BLOCK, N_B)
+      real(wp), intent(out) :: rot(BLOCK, 9)
+
+      real(wp), dimension(BLOCK, 4) :: t1, t2, p
+      real(wp), dimension(BLOCK, 3) :: r, arm1, arm2, xl
+      real(wp), dimension(BLOCK, 9) :: e
+      real(wp), dimension(BLOCK) :: angle, scalar
+      real(wp) :: share
+      integer :: i, k
+
+      do k = 4, 6
+         q(:n, k) = last(from:from + n - 1, k)
+      end do
+      call see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
+      if (batch%spring) then
+         e(:n, :) = batch%axes(from:from + n - 1, :)
+         call spring_axes(n, batch%frame, e, t1, t2, r, b(:, 1:9), b(:, 10:18))
+      else if (.not. batch%mean) then
+         call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18))
+      end if
+      select case (batch%chart)
+      case (CHART_TWIST)
+         call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
+            b(:, 19:27))
+      case (CHART_VECTOR)
+         do i = 1, n
+            scalar(i) = merge(1.0_wp, 0.0_wp, batch%plain(from + i - 1))
+         end do
+         call vector_chart(n, batch%mean, scalar, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
+            rot, b(:, 19:27))
+      case (CHART_UNIVERSAL)
+         angle(:n) = batch%angle0(from:from + n - 1)
+         call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b(:, 1:9), b(:, 10:18), &
+            scalar)
+         b(:n, 19:27) = b(:n, 1:9)
+      case default   ! CHART_LINE
+         q(:n, 4:6) = 0.0_wp
+         b(:n, 19:27) = 0.0_wp
+      end select
+      do k = 0, 2
+         !$omp simd
+         do i = 1, n
+            q(i, k + 1) = b(i, 3*k + 1)*r(i, 1) + b(i, 3*k + 2)*r(i, 2) + &
+               b(i, 3*k + 3)*r(i, 3) - batch%xl0(from + i - 1, k + 1)
+         end do
+         call add_lever(n, arm1, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 10:3*k + 12))
+      end do
+      ! axes that ride on neither end take no couple
+      share = merge(0.0_wp, 1.0_wp, batch%spring .and. (batch%frame == FRAME_FIXED))
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            b(i, 27 + k) = share*r(i, k) + (arm1(i, k) - arm2(i, k))
+         end do
+      end do
+   end subroutine coordinates
+
+   !> Triads and arms carried by the two ends, their relative pose, and node 2 from node 1
+   pure subroutine see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
+      type(consistent_batch_t), intent(in) :: batch
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: from, n
+      real(wp), dimension(BLOCK, 4), intent(out) :: t1, t2, p
+      real(wp), dimension(BLOCK, 3), intent(out) :: arm1, arm2, r
+
+      real(wp), dimension(BLOCK, 4) :: q1, q2, c1, c2
+      real(wp) :: a1(BLOCK, 3), a2(BLOCK, 3)
+      integer :: i, j, k, lead1, lead2
+
+      do i = 1, n
+         j = from + i - 1
+         lead1 = batch%lead(j, 1)
+         lead2 = batch%lead(j, 2)
+         do k = 1, 4
+            q1(i, k) = poses%quat(lead1, k)
+            q2(i, k) = poses%quat(lead2, k)
+         end do
+         do k = 1, 3
+            r(i, k) = poses%d(lead2, k) - poses%d(lead1, k)
+         end do
+      end do
+      do k = 1, 4
+         c1(:n, k) = batch%triad(from:from + n - 1, k)
+         c2(:n, k) = batch%triad(from:from + n - 1, k + 4)
+      end do
+      do k = 1, 3
+         a1(:n, k) = batch%arm(from:from + n - 1, k)
+         a2(:n, k) = batch%arm(from:from + n - 1, k + 3)
+      end do
+      call turn_arm(n, q1, a1, arm1)
+      call turn_arm(n, q2, a2, arm2)
+      do k = 1, 3
+         !$omp simd
+         do i = 1, n
+            r(i, k) = batch%apart(from + i - 1, k) + r(i, k) + (arm2(i, k) - arm1(i, k))
+         end do
+      end do
+      call relative_pose(n, q1, q2, c1, c2, t1, t2, p)
+   end subroutine see_ends
+
+   !> m := m + a x f
+   pure subroutine add_lever(n, a, f, m)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a(BLOCK, 3), f(BLOCK, 3)
+      real(wp), intent(inout) :: m(BLOCK, 3)
+
+      integer :: i
+
+      !$omp simd
+      do i = 1, n
+         m(i, 1) = m(i, 1) + (a(i, 2)*f(i, 3) - a(i, 3)*f(i, 2))
+         m(i, 2) = m(i, 2) + (a(i, 3)*f(i, 1) - a(i, 1)*f(i, 3))
+         m(i, 3) = m(i, 3) + (a(i, 1)*f(i, 2) - a(i, 2)*f(i, 1))
+      end do
+   end subroutine add_lever
+
+   !> Elastic force of one dof
+   pure subroutine spring(batch, curves, from, n, dof, q, f)
+      type(consistent_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      integer, intent(in) :: from, n, dof
+      real(wp), intent(in) :: q(BLOCK)
+      real(wp), intent(out) :: f(BLOCK)
+
+      real(wp) :: y, slope
+      integer :: i, j
+
+      if (iand(batch%law(dof), LAW_SPRING + LAW_SPRING_CURVE) == 0) then
+         f(:n) = 0.0_wp
+      else if (iand(batch%law(dof), LAW_SPRING_CURVE) /= 0) then
+         do i = 1, n
+            j = from + i - 1
+            call law_value(curves, batch%k_curve(j, dof), q(i), y, slope)
+            f(i) = batch%k(j, dof)*y
+         end do
+      else
+         !$omp simd
+         do i = 1, n
+            f(i) = batch%k(from + i - 1, dof)*q(i)
+         end do
+      end if
+   end subroutine spring
+
+end module kj_consistent_springs

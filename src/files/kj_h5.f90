@@ -1,0 +1,374 @@
+!> HDF5 files, groups, links and attributes in the few forms that the history layout needs.
+!> Only this module, kj_h5_data, kj_h5_fixed, kj_h5_chunk with kj_packer.c, kj_h5_read and
+!> kj_h5_attributes use the HDF5 library.
+!>
+!> Every procedure takes `error` inout and does nothing once it is set, so that a row of calls
+!> needs one test. What a procedure opens it closes, on errors too; a file is closed together
+!> with everything still open in it. Shapes are in Fortran order, the reverse of the file's.
+!> Numbers travel as reals (wp); HDF5 converts them to the type of the dataset.
+!> Errors: ERR_FILE, naming what could not be done.
+module kj_h5
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
+   use hdf5, only: hid_t, hsize_t, h5open_f, h5dont_atexit_f, h5eset_auto_f, h5get_libversion_f, &
+      h5fcreate_f, h5fopen_f, h5fclose_f, h5fflush_f, h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
+      h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, h5screate_f, &
+      h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
+      h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
+      h5pset_attr_creation_order_f, h5pset_attr_phase_change_f, h5pset_link_phase_change_f, &
+      h5pset_obj_track_times_f, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, H5F_CLOSE_STRONG_F, &
+      H5F_LIBVER_EARLIEST_F, H5F_LIBVER_V18_F, H5F_SCOPE_GLOBAL_F, H5P_FILE_CREATE_F, &
+      H5P_FILE_ACCESS_F, H5P_GROUP_CREATE_F, H5P_CRT_ORDER_TRACKED_F, H5P_CRT_ORDER_INDEXED_F, &
+      H5S_SCALAR_F, H5T_STRING, H5T_CSET_UTF8_F, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, H5T_STD_I64LE, &
+      H5T_STD_I32LE, H5T_STD_I8LE
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_FILE
+   use kj_channels, only: AS_F64, AS_I64, AS_I32, AS_I8
+   use kj_history, only: text_t
+   implicit none
+   private
+
+   public :: hid_t, start_hdf5, hdf5_version, create_file, open_file, close_file, flush_file
+   public :: create_group, close_object, has_link, link_to
+   public :: put_text, put_texts, put_number, put_numbers
+   public :: check, start_object, file_type, make_space, utf8_type, c_texts   ! for kj_h5_*
+
+   integer, parameter :: MOST_INLINE = 64    !! attributes or links kept in an object's header
+
+contains
+
+   !> Make the library ready and silent. It may be called any number of times, and nothing ends the
+   !> library, so that one user of it does not end it for another. It must not close itself at the
+   !> end of the process either: after a failed write, on a full disk, that crashes (HDF5 1.10).
+   subroutine start_hdf5(error)
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status, ignored
+
+      if (allocated(error)) return
+      call h5dont_atexit_f(ignored)
+      call h5open_f(status)
+      if (status >= 0) call h5eset_auto_f(0, status)
+      call check(status, 'start the HDF5 library', error)
+   end subroutine start_hdf5
+
+   !> Version of the HDF5 library, "1.10.8"
+   function hdf5_version() result(text)
+      character(len=:), allocatable :: text
+
+      integer :: major, minor, patch, status
+
+      call h5get_libversion_f(major, minor, patch, status)
+      text = ''
+      if (status >= 0) text = str(major)//'.'//str(minor)//'.'//str(patch)
+   end function hdf5_version
+
+   !> Raise an error when an HDF5 status is negative
+   subroutine check(status, action, error)
+      integer, intent(in) :: status
+      character(len=*), intent(in) :: action       !! what was tried, after "cannot"
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (status < 0 .and. .not. allocated(error)) &
+         call fail(error, ERR_FILE, 'cannot '//action//' (HDF5)')
+   end subroutine check
+
+   !> Create a file, replacing one of that name
+   subroutine create_file(path, file, error)
+      character(len=*), intent(in) :: path
+      integer(hid_t), intent(out) :: file
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: creation, access
+      integer :: status, ignored
+
+      file = -1
+      if (allocated(error)) return
+      access = -1
+      call start_object(H5P_FILE_CREATE_F, creation, status)
+      if (status >= 0) call h5pset_link_creation_order_f(creation, order_flags(), status)
+      if (status >= 0) call h5pset_link_phase_change_f(creation, MOST_INLINE, MOST_INLINE/2, status)
+      if (status >= 0) call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
+      if (status >= 0) call h5pset_libver_bounds_f(access, H5F_LIBVER_EARLIEST_F, &
+         H5F_LIBVER_V18_F, status)
+      if (status >= 0) call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
+      if (status >= 0) call h5fcreate_f(path, H5F_ACC_TRUNC_F, file, status, creation, access)
+      if (creation > 0) call h5pclose_f(creation, ignored)
+      if (access > 0) call h5pclose_f(access, ignored)
+      call check(status, 'create the file '//path, error)
+   end subroutine create_file
+
+   !> Open a file for reading only
+   subroutine open_file(path, file, error)
+      character(len=*), intent(in) :: path
+      integer(hid_t), intent(out) :: file
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: access
+      integer :: status, ignored
+
+      file = -1
+      if (allocated(error)) return
+      access = -1
+      call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
+      if (status >= 0) call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
+      if (status >= 0) call h5fopen_f(path, H5F_ACC_RDONLY_F, file, status, access)
+      if (access > 0) call h5pclose_f(access, ignored)
+      call check(status, 'open '//path//' as an HDF5 file', error)
+   end subroutine open_file
+
+   !> Close a file and everything still open in it, also after an error
+   subroutine close_file(file, error)
+      integer(hid_t), intent(inout) :: file        !! -1 afterwards
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      if (file < 0) return
+      call h5fclose_f(file, status)
+      file = -1
+      call check(status, 'close the file', error)
+   end subroutine close_file
+
+   !> Hand everything written so far to the operating system
+   subroutine flush_file(file, error)
+      integer(hid_t), intent(in) :: file
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      if (allocated(error)) return
+      call h5fflush_f(file, H5F_SCOPE_GLOBAL_F, status)
+      call check(status, 'flush the file', error)
+   end subroutine flush_file
+
+   !> Creation properties of any object: attributes keep their order, no times are stored
+   subroutine start_object(class, plist, status)
+      integer(hid_t), intent(in) :: class
+      integer(hid_t), intent(out) :: plist
+      integer, intent(out) :: status
+
+      plist = -1
+      call h5pcreate_f(class, plist, status)
+      if (status >= 0) call h5pset_attr_creation_order_f(plist, order_flags(), status)
+      if (status >= 0) call h5pset_obj_track_times_f(plist, .false., status)
+      ! in the object header itself: indexed storage costs more than all else of a small file
+      if (status >= 0) call h5pset_attr_phase_change_f(plist, MOST_INLINE, MOST_INLINE/2, status)
+   end subroutine start_object
+
+   !> Track and index the order of creation
+   integer function order_flags()
+      order_flags = ior(H5P_CRT_ORDER_TRACKED_F, H5P_CRT_ORDER_INDEXED_F)
+   end function order_flags
+
+   !> Create a group and leave it open
+   subroutine create_group(parent, name, group, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+      integer(hid_t), intent(out) :: group
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: plist
+      integer :: status, ignored
+
+      group = -1
+      if (allocated(error)) return
+      call start_object(H5P_GROUP_CREATE_F, plist, status)
+      if (status >= 0) call h5pset_link_creation_order_f(plist, order_flags(), status)
+      if (status >= 0) call h5pset_link_phase_change_f(plist, MOST_INLINE, MOST_INLINE/2, status)
+      if (status >= 0) call h5gcreate_f(parent, name, group, status, gcpl_id=plist)
+      if (plist > 0) call h5pclose_f(plist, ignored)
+      call check(status, 'create the group '//name, error)
+   end subroutine create_group
+
+   !> Close a group or dataset, also after an error
+   subroutine close_object(id, error)
+      integer(hid_t), intent(inout) :: id          !! -1 afterwards
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      if (id < 0) return
+      call h5oclose_f(id, status)
+      id = -1
+      call check(status, 'close an object', error)
+   end subroutine close_object
+
+   !> Does the group have a link of this name?
+   logical function has_link(parent, name)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+
+      integer :: status
+
+      call h5lexists_f(parent, name, has_link, status)
+      if (status < 0) has_link = .false.
+   end function has_link
+
+   !> Give an object a second name, a hard link, in another group
+   subroutine link_to(from, path, group, name, error)
+      integer(hid_t), intent(in) :: from, group
+      character(len=*), intent(in) :: path, name   !! path of the object in `from`; its new name
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      if (allocated(error)) return
+      call h5lcreate_hard_f(from, path, group, name, status)
+      call check(status, 'link '//name, error)
+   end subroutine link_to
+
+   !> Type in the file of an AS_ constant
+   integer(hid_t) function file_type(kind)
+      integer, intent(in) :: kind
+
+      integer(hid_t) :: types(4)
+
+      types([AS_F64, AS_I64, AS_I32, AS_I8]) = [H5T_IEEE_F64LE, H5T_STD_I64LE, H5T_STD_I32LE, &
+         H5T_STD_I8LE]
+      file_type = types(kind)
+   end function file_type
+
+   !> Dataspace of a shape, scalar when there are no dimensions
+   subroutine make_space(dims, space, status)
+      integer, intent(in) :: dims(:)
+      integer(hid_t), intent(out) :: space
+      integer, intent(out) :: status
+
+      space = -1
+      if (size(dims) == 0) then
+         call h5screate_f(H5S_SCALAR_F, space, status)
+      else
+         call h5screate_simple_f(size(dims), int(dims, hsize_t), space, status)
+      end if
+   end subroutine make_space
+
+   !> Type of every text: variable length, UTF-8; the caller closes it
+   subroutine utf8_type(id, error)
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      id = -1
+      if (allocated(error)) return
+      call h5tcopy_f(H5T_STRING, id, status)
+      if (status >= 0) call h5tset_cset_f(id, H5T_CSET_UTF8_F, status)
+      call check(status, 'make a text type', error)
+   end subroutine utf8_type
+
+   !> Texts as C has them: one buffer, each text ended by a null, and pointers to their starts
+   subroutine c_texts(texts, buffer, pointers)
+      type(text_t), intent(in) :: texts(:)
+      character(kind=c_char), allocatable, target, intent(out) :: buffer(:)
+      type(c_ptr), allocatable, intent(out) :: pointers(:)
+
+      integer :: i, j, n
+
+      n = 0
+      do i = 1, size(texts)
+         n = n + len(texts(i)%s) + 1
+      end do
+      allocate (buffer(n), pointers(size(texts)))
+      n = 0
+      do i = 1, size(texts)
+         pointers(i) = c_loc(buffer(n + 1))
+         do j = 1, len(texts(i)%s)
+            buffer(n + j) = texts(i)%s(j:j)
+         end do
+         n = n + len(texts(i)%s) + 1
+         buffer(n) = c_null_char
+      end do
+   end subroutine c_texts
+
+   !> Set an attribute to a text
+   subroutine put_text(id, name, text, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name, text
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(text_t) :: texts(1)
+
+      texts(1)%s = text
+      call put_some_texts(id, name, texts, [integer ::], error)
+   end subroutine put_text
+
+   !> Set an attribute to an array of texts
+   subroutine put_texts(id, name, texts, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      type(text_t), intent(in) :: texts(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      call put_some_texts(id, name, texts, [size(texts)], error)
+   end subroutine put_texts
+
+   subroutine put_some_texts(id, name, texts, dims, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      type(text_t), intent(in) :: texts(:)
+      integer, intent(in) :: dims(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(kind=c_char), allocatable, target :: buffer(:)
+      type(c_ptr), allocatable, target :: pointers(:)
+      integer(hid_t) :: utf8
+      integer :: ignored
+
+      call utf8_type(utf8, error)
+      call c_texts(texts, buffer, pointers)
+      call put_attribute(id, name, utf8, utf8, dims, c_loc(pointers), error)
+      if (utf8 > 0) call h5tclose_f(utf8, ignored)
+   end subroutine put_some_texts
+
+   !> Set an attribute to a number
+   subroutine put_number(id, name, kind, value, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: kind                  !! AS_ constant
+      real(wp), target, intent(in) :: value
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(error)) return
+      call put_attribute(id, name, file_type(kind), H5T_NATIVE_DOUBLE, [integer ::], &
+         c_loc(value), error)
+   end subroutine put_number
+
+   !> Set an attribute to an array of numbers
+   subroutine put_numbers(id, name, kind, values, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: kind                  !! AS_ constant
+      real(wp), contiguous, target, intent(in) :: values(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(error)) return
+      call put_attribute(id, name, file_type(kind), H5T_NATIVE_DOUBLE, [size(values)], &
+         c_loc(values), error)
+   end subroutine put_numbers
+
+   !> Create an attribute, in place of one of that name
+   subroutine put_attribute(id, name, stored, memory, dims, values, error)
+      integer(hid_t), intent(in) :: id, stored, memory       !! types in the file and of `values`
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: dims(:)
+      type(c_ptr), intent(in) :: values
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: space, attribute
+      logical :: exists
+      integer :: status, ignored
+
+      if (allocated(error)) return
+      attribute = -1
+      space = -1
+      call h5aexists_f(id, name, exists, status)
+      if (status >= 0 .and. exists) call h5adelete_f(id, name, status)
+      if (status >= 0) call make_space(dims, space, status)
+      if (status >= 0) call h5acreate_f(id, name, stored, space, attribute, status)
+      if (status >= 0) call h5awrite_f(attribute, memory, values, status)
+      if (attribute > 0) call h5aclose_f(attribute, ignored)
+      if (space > 0) call h5sclose_f(space, ignored)
+      call check(status, 'write the attribute '//name, error)
+   end subroutine put_attribute
+
+end module kj_h5

@@ -1,0 +1,368 @@
+!> What is in a history file, as text for people: `kjoint info`.
+module kj_info
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, str
+   use kj_units, only: unit_text, D_TIME
+   use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
+      CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, CH_FINAL
+   use kj_history, only: history_t, variable_t, text_t
+   use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
+      read_run_facts
+   implicit none
+   private
+
+   public :: describe_history
+
+   integer, parameter :: BLOCK_BYTES = 4*1024*1024     !! of rows read at a time
+   integer, parameter :: NAME_WIDTH = 34, SHAPE_WIDTH = 18, UNIT_WIDTH = 14, NUMBER_WIDTH = 16
+
+   !> What one pass over the rows finds
+   type :: survey_t
+      integer :: n_row = 0
+      real(wp), allocatable :: first(:), last(:)       !! (n_value) the first and the last row
+      real(wp), allocatable :: peak(:)                !! (variable) largest norm over entities, time
+      real(wp), allocatable :: peak_time(:)            !! (variable) when that was
+      real(wp) :: shortest_step = huge(1.0_wp), longest_step = 0.0_wp
+      integer :: n_bad = 0                             !! values that are not finite
+   end type survey_t
+
+contains
+
+   !> Describe a history: status, provenance, span, channels with shape, unit and peak, energies.
+   !> Errors: ERR_FILE when it cannot be read
+   subroutine describe_history(path, text, error)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable, intent(out) :: text   !! lines, each ended by a line feed
+      type(error_t), allocatable, intent(out) :: error
+
+      type(error_t), allocatable :: closing
+      type(h5_reader_t) :: reader
+      type(history_t) :: history
+      type(survey_t) :: survey
+      type(text_t), allocatable :: names(:), values(:)
+      integer :: n_row
+
+      text = ''
+      call open_h5_history(path, reader, history, n_row, error)
+      if (allocated(error)) return
+      call survey_rows(reader, history, n_row, survey, error)
+      if (.not. allocated(error)) call read_run_facts(reader, names, values, error)
+      call close_h5_history(reader, closing)
+      if (allocated(error)) return
+      call add_provenance(path, history, names, values, text)
+      call add_span(history, survey, names, values, text)
+      call add_channels(history, survey, text)
+      call add_energies(history, survey, text)
+   end subroutine describe_history
+
+   !> Go once over all rows, a block at a time
+   subroutine survey_rows(reader, history, n_row, survey, error)
+      type(h5_reader_t), intent(in) :: reader
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: n_row
+      type(survey_t), intent(out) :: survey
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp), allocatable :: rows(:, :)
+      integer :: first, n, row, most
+
+      survey%n_row = n_row
+      allocate (survey%first(history%n_value), survey%last(history%n_value))
+      allocate (survey%peak(size(history%variable)), survey%peak_time(size(history%variable)))
+      survey%first = 0.0_wp
+      survey%last = 0.0_wp
+      survey%peak = 0.0_wp
+      survey%peak_time = 0.0_wp
+      most = max(1, BLOCK_BYTES/(8*max(1, history%n_value)))
+      allocate (rows(history%n_value, min(most, max(1, n_row))))
+      do first = 1, n_row, most
+         n = min(most, n_row - first + 1)
+         call read_h5_rows(reader, first, n, rows, error)
+         if (allocated(error)) return
+         if (first == 1) survey%first = rows(:, 1)
+         do row = 1, n
+            call survey_row(history, rows(:, row), survey)
+         end do
+         survey%last = rows(:, n)
+      end do
+   end subroutine survey_rows
+
+   !> Work one row into the survey
+   subroutine survey_row(history, row, survey)
+      type(history_t), intent(in) :: history
+      real(wp), intent(in) :: row(:)
+      type(survey_t), intent(inout) :: survey
+
+      real(wp) :: largest, time
+      integer :: i, j, at, n_comp
+
+      time = 0.0_wp
+      do i = 1, size(history%variable)
+         at = history%variable(i)%first
+         n_comp = history%variable(i)%n_comp
+         ! a gap is NaN where there is no stop
+         if (all(history%variable(i)%channel /= [CH_J_GAP, CH_J_GAP_ROT])) &
+            survey%n_bad = survey%n_bad + count(.not. abs( &
+            row(at:at + n_comp*history%variable(i)%n_entity - 1)) <= huge(1.0_wp))
+         if (history%variable(i)%channel == CH_TIME) time = row(at)
+         if (history%variable(i)%channel == CH_TIME_STEP .and. row(at) > 0.0_wp) then
+            survey%shortest_step = min(survey%shortest_step, row(at))
+            survey%longest_step = max(survey%longest_step, row(at))
+         end if
+         largest = 0.0_wp
+         do j = 1, history%variable(i)%n_entity
+            largest = max(largest, norm2(row(at:at + n_comp - 1)))
+            at = at + n_comp
+         end do
+         if (largest <= survey%peak(i)) cycle
+         survey%peak(i) = largest
+         survey%peak_time(i) = time
+      end do
+   end subroutine survey_row
+
+   !> Title, status and where the history comes from
+   subroutine add_provenance(path, history, names, values, text)
+      character(len=*), intent(in) :: path
+      type(history_t), intent(in) :: history
+      type(text_t), intent(in) :: names(:), values(:)      !! attributes of /run
+      character(len=:), allocatable, intent(inout) :: text
+
+      character(len=:), allocatable :: made, inputs
+      integer :: i
+
+      call add_line(text, path)
+      if (len(history%title) > 0) call add_fact(text, 'title', trim(history%title))
+      call add_fact(text, 'status', fact('status', names, values, 'unknown'))
+      made = 'kjoint '//fact('version', names, values, 'of unknown version')
+      made = joined(made, ', started ', fact('started', names, values, ''))
+      made = joined(made, ', elapsed [s]: ', fact('elapsed_s', names, values, ''))
+      made = joined(made, ', threads: ', fact('n_threads', names, values, ''))
+      made = joined(made, ', host ', fact('host', names, values, ''))
+      call add_fact(text, 'made by', made)
+      call add_fact(text, 'command', fact('command_line', names, values, ''))
+      call add_fact(text, 'compiler', fact('compiler', names, values, ''))
+      if (allocated(history%input_name)) then
+         inputs = ''
+         do i = 1, size(history%input_name)
+            if (i > 1) inputs = inputs//', '
+            inputs = inputs//history%input_name(i)%s//' ('//history%input_role(i)%s//')'
+         end do
+         call add_fact(text, 'input', inputs)
+      end if
+   end subroutine add_provenance
+
+   !> Entities, samples, cycles and steps
+   subroutine add_span(history, survey, names, values, text)
+      type(history_t), intent(in) :: history
+      type(survey_t), intent(in) :: survey
+      type(text_t), intent(in) :: names(:), values(:)
+      character(len=:), allocatable, intent(inout) :: text
+
+      character(len=:), allocatable :: line, unit
+      integer :: i
+
+      unit = unit_text(D_TIME, history%units)
+      call add_fact(text, 'units', trim(history%units%symbol(1))//', '// &
+         trim(history%units%symbol(2))//', '//unit)
+      line = ''
+      if (allocated(history%joint_id)) line = counted(size(history%joint_id), 'joint', 'joints')
+      if (allocated(history%body_id)) &
+         line = joined(line, ', ', counted(size(history%body_id), 'rigid body', 'rigid bodies'))
+      if (allocated(history%node_id)) &
+         line = joined(line, ', ', counted(size(history%node_id), 'node', 'nodes'))
+      if (allocated(history%spring_id)) &
+         line = joined(line, ', ', counted(size(history%spring_id), 'spring', 'springs'))
+      call add_fact(text, 'holds', line)
+      line = counted(survey%n_row, 'sample', 'samples')
+      i = place_of(history, CH_TIME)
+      if (i > 0 .and. survey%n_row > 0) line = line//', t = '//number(survey%first(i))//' to '// &
+         number(survey%last(i))//' '//unit
+      i = place_of(history, CH_FINAL)
+      if (i > 0) then
+         if (nint(survey%last(i)) == 1) line = line//', the last one between sample times'
+      end if
+      call add_fact(text, 'sampled', line)
+      line = fact('cycles', names, values, '')
+      i = place_of(history, CH_CYCLE)
+      if (len(line) == 0 .and. i > 0) line = number(survey%last(i))//' so far'
+      if (survey%longest_step > 0.0_wp) line = joined(line, ', time step ', &
+         number(survey%shortest_step)//' to '//number(survey%longest_step)//' '//unit)
+      call add_fact(text, 'cycles', line)
+      if (survey%n_bad > 0) call add_fact(text, 'damaged', &
+         counted(survey%n_bad, 'value is', 'values are')//' not finite')
+   end subroutine add_span
+
+   !> A line for each channel: shape in file order, unit, largest norm and when it was
+   subroutine add_channels(history, survey, text)
+      type(history_t), intent(in) :: history
+      type(survey_t), intent(in) :: survey
+      character(len=:), allocatable, intent(inout) :: text
+
+      type(variable_t) :: v
+      character(len=:), allocatable :: name, shape_text
+      integer :: i
+
+      call add_line(text, '')
+      call add_line(text, cell('channel', NAME_WIDTH)//cell('shape', SHAPE_WIDTH)// &
+         cell('unit', UNIT_WIDTH)//right('peak', NUMBER_WIDTH)//right('at t', NUMBER_WIDTH))
+      do i = 1, size(history%variable)
+         v = history%variable(i)
+         name = trim(groups(channels(v%channel)%owner)%path)
+         if (len(name) > 0) name = name//'/'
+         name = name//trim(channels(v%channel)%name)
+         shape_text = str(survey%n_row)
+         if (len_trim(groups(channels(v%channel)%owner)%path) > 0) &
+            shape_text = shape_text//' x '//str(v%n_entity)
+         if (v%n_comp > 1) shape_text = shape_text//' x '//str(v%n_comp)
+         call add_line(text, cell(name, NAME_WIDTH)//cell(shape_text, SHAPE_WIDTH)// &
+            cell(unit_text(channels(v%channel)%dim, history%units), UNIT_WIDTH)// &
+            right(number(survey%peak(i)), NUMBER_WIDTH)// &
+            right(number(survey%peak_time(i)), NUMBER_WIDTH))
+      end do
+   end subroutine add_channels
+
+   !> The energy balance: first and last values, largest sizes
+   subroutine add_energies(history, survey, text)
+      type(history_t), intent(in) :: history
+      type(survey_t), intent(in) :: survey
+      character(len=:), allocatable, intent(inout) :: text
+
+      integer, parameter :: ROWS(*) = [CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, &
+         CH_ENERGY_ERROR]
+      integer :: i, v, at
+
+      if (survey%n_row == 0) return
+      call add_line(text, '')
+      call add_line(text, cell('energy balance', NAME_WIDTH)//right('first', NUMBER_WIDTH)// &
+         right('last', NUMBER_WIDTH)//right('largest', NUMBER_WIDTH)// &
+         right('at t', NUMBER_WIDTH))
+      do i = 1, size(ROWS)
+         v = index_of(history, ROWS(i))
+         if (v == 0) cycle
+         at = history%variable(v)%first
+         call add_line(text, cell(trim(channels(ROWS(i))%meaning), NAME_WIDTH)// &
+            right(number(survey%first(at)), NUMBER_WIDTH)// &
+            right(number(survey%last(at)), NUMBER_WIDTH)// &
+            right(number(survey%peak(v)), NUMBER_WIDTH)// &
+            right(number(survey%peak_time(v)), NUMBER_WIDTH))
+      end do
+   end subroutine add_energies
+
+   !> Index of the variable of a channel, 0 when the history lacks it
+   pure integer function index_of(history, channel) result(i)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: channel
+
+      do i = 1, size(history%variable)
+         if (history%variable(i)%channel == channel) return
+      end do
+      i = 0
+   end function index_of
+
+   !> Place of a channel of the run in a row, 0 when the history lacks it
+   pure integer function place_of(history, channel) result(place)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: channel
+
+      place = index_of(history, channel)
+      if (place > 0) place = history%variable(place)%first
+   end function place_of
+
+   !> Value of a named fact, `default` when there is none
+   pure function fact(name, names, values, default) result(value)
+      character(len=*), intent(in) :: name, default
+      type(text_t), intent(in) :: names(:), values(:)
+      character(len=:), allocatable :: value
+
+      integer :: i
+
+      value = default
+      do i = 1, size(names)
+         if (names(i)%s == name) value = values(i)%s
+      end do
+   end function fact
+
+   !> Both texts with `link` between them, the first alone when the second is empty
+   pure function joined(first, link, second) result(text)
+      character(len=*), intent(in) :: first, link, second
+      character(len=:), allocatable :: text
+
+      text = first
+      if (len(second) == 0) return
+      if (len(first) > 0) text = text//link
+      text = text//second
+   end function joined
+
+   !> A number and what it counts
+   pure function counted(n, one, many) result(text)
+      integer, intent(in) :: n
+      character(len=*), intent(in) :: one, many
+      character(len=:), allocatable :: text
+
+      text = str(n)//' '//many
+      if (n == 1) text = '1 '//one
+   end function counted
+
+   !> A real with six digits in the form people read: plain when that is short, else with exponent
+   pure function number(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: text
+
+      character(len=24) :: buffer
+      integer :: n
+
+      if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
+         ! five digits after the first one, wherever the point is
+         write (buffer, '(f0.'//str(5 - floor(log10(abs(value))))//')') value
+         n = len_trim(buffer)
+         if (index(buffer, '.') > 0) n = verify(buffer(:n), '0', back=.true.)
+         if (buffer(n:n) == '.') n = n - 1
+         text = buffer(:n)
+         if (index(text, '.') == 1) text = '0'//text
+         if (index(text, '-.') == 1) text = '-0'//text(2:)
+      else if (abs(value) < tiny(value)) then
+         text = '0'
+      else if (abs(value) < 1.0e9_wp .and. abs(value - anint(value)) <= 0.0_wp) then
+         text = str(nint(value))
+      else
+         write (buffer, '(es13.5e3)') value
+         if (abs(value) < 1.0e99_wp .and. abs(value) > 1.0e-99_wp) write (buffer, '(es12.5)') value
+         text = trim(adjustl(buffer))
+      end if
+   end function number
+
+   !> Text at the left of a column, never cut, always followed by a blank
+   pure function cell(text, width) result(padded)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: width
+      character(len=:), allocatable :: padded
+
+      padded = text//repeat(' ', max(1, width - len(text)))
+   end function cell
+
+   !> Text at the right of a column
+   pure function right(text, width) result(padded)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: width
+      character(len=:), allocatable :: padded
+
+      padded = repeat(' ', max(1, width - len(text)))//text
+   end function right
+
+   !> Append a named fact; an empty one is left out
+   subroutine add_fact(text, name, value)
+      character(len=:), allocatable, intent(inout) :: text
+      character(len=*), intent(in) :: name, value
+
+      if (len(value) > 0) call add_line(text, '  '//cell(name, 10)//value)
+   end subroutine add_fact
+
+   !> Append a line
+   subroutine add_line(text, line)
+      character(len=:), allocatable, intent(inout) :: text
+      character(len=*), intent(in) :: line
+
+      text = text//trim(line)//new_line('a')
+   end subroutine add_line
+
+end module kj_info

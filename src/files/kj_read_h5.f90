@@ -1,0 +1,260 @@
+!> Reads a history file: first what it holds, then its rows in blocks as large as the caller likes.
+!> Groups, datasets and attributes it does not know are ignored.
+module kj_read_h5
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_FILE
+   use kj_channels, only: channels, groups, OF_RUN, OF_JOINT, OF_BODY, OF_NODE, OF_SPRING, AT_T, &
+      CH_TIME
+   use kj_history, only: history_t, text_t, add_variable
+   use kj_h5, only: hid_t, start_hdf5, open_file, close_file, close_object, has_link
+   use kj_h5_read, only: open_group, open_dataset, get_shape, read_rows, read_numbers, read_texts, &
+      get_link_names
+   use kj_h5_attributes, only: get_text, get_numbers, get_facts
+   use kj_h5_layout, only: get_row_shape
+   use kj_read_h5_group, only: read_entities
+   implicit none
+   private
+
+   public :: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, read_run_facts
+
+   !> An open history file
+   type :: h5_reader_t
+      integer :: n_row = 0                                   !! rows that every variable has
+      character(len=:), allocatable :: path
+      type(history_t), private :: history                    !! what a row holds
+      integer(hid_t), private :: file = -1
+      integer(hid_t), allocatable, private :: series(:)      !! datasets of the variables
+   end type h5_reader_t
+
+   integer, parameter :: FORMAT_MAJOR = 1                    !! newest layout this module reads
+
+contains
+
+   !> Open a history. Errors: ERR_FILE when it is no history or a damaged one; nothing stays open
+   subroutine open_h5_history(path, reader, history, n_row, error)
+      character(len=*), intent(in) :: path
+      type(h5_reader_t), intent(out) :: reader
+      type(history_t), intent(out) :: history
+      integer, intent(out) :: n_row
+      type(error_t), allocatable, intent(out) :: error
+
+      type(error_t), allocatable :: closing
+      integer :: owner
+
+      n_row = 0
+      reader%path = path
+      allocate (history%variable(0))
+      call start_hdf5(error)
+      call open_file(path, reader%file, error)
+      if (.not. allocated(error)) call read_root(reader%file, history, error)
+      if (.not. allocated(error)) then
+         do owner = OF_JOINT, OF_SPRING
+            if (.not. has_link(reader%file, trim(groups(owner)%path))) cycle
+            call read_entities(reader%file, owner, history, error)
+         end do
+         if (has_link(reader%file, 'input')) call read_input(reader%file, history, error)
+         call find_variables(reader, history, error)
+      end if
+      if (allocated(error)) then
+         error%file = path
+         call close_h5_history(reader, closing)
+         return
+      end if
+      reader%history = history
+      n_row = reader%n_row
+   end subroutine open_h5_history
+
+   !> Close a history, also one that was not opened
+   subroutine close_h5_history(reader, error)
+      type(h5_reader_t), intent(inout) :: reader
+      type(error_t), allocatable, intent(out) :: error
+
+      call close_file(reader%file, error)
+      if (allocated(reader%series)) deallocate (reader%series)
+      reader%n_row = 0
+   end subroutine close_h5_history
+
+   !> Read n rows from row `first`. Errors: ERR_FILE
+   subroutine read_h5_rows(reader, first, n, rows, error)
+      type(h5_reader_t), intent(in) :: reader
+      integer, intent(in) :: first, n               !! 1 <= first, first + n - 1 <= n_row
+      real(wp), intent(out) :: rows(:, :)           !! (n_value, n) as history%variable says
+      type(error_t), allocatable, intent(out) :: error
+
+      integer, allocatable :: dims(:)
+      real(wp), allocatable :: values(:)
+      integer :: i, row, width, at
+
+      rows = 0.0_wp
+      if (first < 1 .or. n < 0 .or. first + n - 1 > reader%n_row .or. &
+         size(rows, 1) /= reader%history%n_value .or. size(rows, 2) < n) then
+         call fail(error, ERR_FILE, 'rows '//str(first)//' to '//str(first + n - 1)// &
+            ' are not in the history')
+         return
+      end if
+      do i = 1, size(reader%series)
+         call get_row_shape(reader%history%variable(i), dims)
+         width = product(dims)
+         at = reader%history%variable(i)%first
+         allocate (values(width*n))
+         call read_rows(reader%series(i), dims, first, n, values, error)
+         if (allocated(error)) exit
+         do row = 1, n
+            rows(at:at + width - 1, row) = values((row - 1)*width + 1:row*width)
+         end do
+         deallocate (values)
+      end do
+      if (allocated(error)) error%file = reader%path
+   end subroutine read_h5_rows
+
+   !> The attributes of /run as text, in the order written. Errors: ERR_FILE
+   subroutine read_run_facts(reader, names, values, error)
+      type(h5_reader_t), intent(in) :: reader
+      type(text_t), allocatable, intent(out) :: names(:), values(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      integer(hid_t) :: group
+
+      allocate (names(0), values(0))
+      if (.not. has_link(reader%file, 'run')) return
+      deallocate (names, values)
+      call open_group(reader%file, 'run', group, error)
+      call get_facts(group, names, values, error)
+      call close_object(group, error)
+   end subroutine read_run_facts
+
+   !> Read the attributes of the root. Errors: ERR_FILE when this is no history we know
+   subroutine read_root(file, history, error)
+      integer(hid_t), intent(in) :: file
+      type(history_t), intent(inout) :: history
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(len=*), parameter :: UNIT_NAMES(3) = ['unit_mass  ', 'unit_length', 'unit_time  ']
+      character(len=:), allocatable :: text
+      real(wp) :: major(1)
+      logical :: found
+      integer :: i
+
+      call get_numbers(file, 'kjoint_format_major', major, found, error)
+      if (allocated(error)) return
+      if (found) found = has_link(file, 'time')
+      if (.not. found) then
+         call fail(error, ERR_FILE, 'this HDF5 file is no history of kjoint')
+         return
+      end if
+      if (nint(major(1)) > FORMAT_MAJOR) then
+         call fail(error, ERR_FILE, 'the history has layout '//str(nint(major(1)))// &
+            ', newer than this kjoint reads')
+         return
+      end if
+      call get_text(file, 'title', history%title, error)
+      do i = 1, 3
+         call get_text(file, trim(UNIT_NAMES(i)), text, error)
+         if (len(text) > 0) history%units%symbol(i) = text
+      end do
+      call get_numbers(file, 'unit_si', history%units%si, found, error)
+      call get_text(file, 'precision', text, error)
+      history%single_precision = text == 'single'
+   end subroutine read_root
+
+   !> Read the deck files
+   subroutine read_input(file, history, error)
+      integer(hid_t), intent(in) :: file
+      type(history_t), intent(inout) :: history
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(text_t), allocatable :: text(:)
+      integer(hid_t) :: group, id
+      integer :: i
+
+      call open_group(file, 'input', group, error)
+      call get_link_names(group, history%input_name, error)
+      if (.not. allocated(error)) then
+         allocate (history%input_text(size(history%input_name)))
+         allocate (history%input_role(size(history%input_name)))
+         do i = 1, size(history%input_name)
+            call read_texts(group, history%input_name(i)%s, text, error)
+            call open_dataset(group, history%input_name(i)%s, id, error)
+            call get_text(id, 'role', history%input_role(i)%s, error)
+            call close_object(id, error)
+            if (allocated(error)) exit
+            history%input_text(i)%s = ''
+            if (size(text) == 1) history%input_text(i)%s = text(1)%s
+         end do
+      end if
+      call close_object(group, error)
+   end subroutine read_input
+
+   !> Find the variables of the channel table that the file has, time first, and open them
+   subroutine find_variables(reader, history, error)
+      type(h5_reader_t), intent(inout) :: reader
+      type(history_t), intent(inout) :: history
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: id
+      integer(hid_t), allocatable :: longer(:)
+      character(len=:), allocatable :: name, level
+      integer :: row, n, owner
+
+      allocate (reader%series(0))
+      history%legacy = .false.
+      reader%n_row = huge(1)
+      do row = 1, size(channels)
+         if (allocated(error)) return
+         owner = channels(row)%owner
+         n = entities_of(history, owner)
+         name = trim(channels(row)%name)
+         if (owner /= OF_RUN) then
+            if (n == 0) cycle
+            if (.not. has_link(reader%file, trim(groups(owner)%path))) cycle
+            name = trim(groups(owner)%path)//'/'//name
+         end if
+         if (.not. has_link(reader%file, name)) cycle
+         call open_dataset(reader%file, name, id, error)
+         allocate (longer(size(reader%series) + 1))
+         longer(:size(reader%series)) = reader%series
+         longer(size(longer)) = id
+         call move_alloc(longer, reader%series)
+         call add_variable(history, row, n)
+         call check_shape(reader, history, id, name, error)
+         call get_text(id, 'sampled_at', level, error)
+         if (channels(row)%at /= AT_T .and. len(level) > 1) history%legacy = .true.
+      end do
+   end subroutine find_variables
+
+   !> Number of entities of an owner, 1 for the run itself
+   pure integer function entities_of(history, owner) result(n)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner
+
+      n = 0
+      if (owner == OF_RUN) n = 1
+      if (owner == OF_JOINT .and. allocated(history%joint_id)) n = size(history%joint_id)
+      if (owner == OF_BODY .and. allocated(history%body_id)) n = size(history%body_id)
+      if (owner == OF_NODE .and. allocated(history%node_id)) n = size(history%node_id)
+      if (owner == OF_SPRING .and. allocated(history%spring_id)) n = size(history%spring_id)
+   end function entities_of
+
+   !> Test the shape of the variable found last; rows count as far as every variable has them
+   subroutine check_shape(reader, history, id, name, error)
+      type(h5_reader_t), intent(inout) :: reader
+      type(history_t), intent(in) :: history
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer, allocatable :: expected(:), dims(:)
+
+      call get_shape(id, dims, error)
+      if (allocated(error)) return
+      call get_row_shape(history%variable(size(history%variable)), expected)
+      if (size(dims) == size(expected) + 1) then
+         if (all(dims(:size(expected)) == expected)) then
+            reader%n_row = min(reader%n_row, dims(size(dims)))
+            return
+         end if
+      end if
+      call fail(error, ERR_FILE, 'the dataset '//name//' has another shape than expected')
+   end subroutine check_shape
+
+end module kj_read_h5

@@ -1,0 +1,185 @@
+!> Sum of joint wrenches into the leads that carry them. Each lead gathers its own joints in
+!> ascending order, so the bits of the result do not depend on the number of threads. A lead with
+!> more than SPAN joint ends, a "hub", sums them SPAN by SPAN: threads can share these parts.
+module kj_lead_map
+   use kj_kinds, only: wp
+   use kj_sort, only: lower_bound
+   implicit none
+   private
+
+   public :: lead_map_t, build_lead_map, part_entries, sum_part, gather_wrenches
+
+   !> Rows of the wrench of a joint
+   integer, parameter, public :: W_FORCE = 1     !! 1-3: force on end 1, W; end 2 gets the opposite
+   integer, parameter, public :: W_MOMENT1 = 4   !! 4-6: moment about the lead of end 1, W
+   integer, parameter, public :: W_MOMENT2 = 7   !! 7-9: moment about the lead of end 2, W
+   integer, parameter, public :: W_KN = 10       !! stiffness of both ends, translation
+   integer, parameter, public :: W_KR1 = 11, W_KR2 = 12   !! and rotation, at the lead
+   integer, parameter, public :: N_WRENCH = 12
+
+   integer, parameter, public :: SPAN = 64
+   integer, parameter, public :: N_SUM = 8        !! rows of a sum: force, moment, kn, kr
+
+   !> For each lead, the joint ends that act on it (compressed rows)
+   type :: lead_map_t
+      integer, allocatable :: first(:)   !! (n_lead + 1) start of each lead's row
+      integer, allocatable :: joint(:)   !! (2 n_joint) joint of each entry; negative at end 2
+      integer, allocatable :: hub(:)     !! leads with more than SPAN entries, ascending
+      integer, allocatable :: part(:)    !! (hubs + 1) first part of each hub
+   end type lead_map_t
+
+contains
+
+   !> Build the map once, before the step loop
+   pure subroutine build_lead_map(n_lead, ends, map)
+      integer, intent(in) :: n_lead
+      integer, intent(in) :: ends(:, :)   !! (2, n_joint) lead at each end
+      type(lead_map_t), intent(out) :: map
+
+      integer, allocatable :: next(:)
+      integer :: j, e, lead
+
+      allocate (map%first(n_lead + 1), map%joint(size(ends)))
+      allocate (next(n_lead), source=0)
+      do j = 1, size(ends, 2)
+         do e = 1, 2
+            next(ends(e, j)) = next(ends(e, j)) + 1
+         end do
+      end do
+      map%first(1) = 1
+      do lead = 1, n_lead
+         map%first(lead + 1) = map%first(lead) + next(lead)
+      end do
+      next(:) = map%first(:n_lead)
+      do j = 1, size(ends, 2)
+         do e = 1, 2
+            lead = ends(e, j)
+            map%joint(next(lead)) = merge(j, -j, e == 1)
+            next(lead) = next(lead) + 1
+         end do
+      end do
+      next(:) = map%first(2:) - map%first(:n_lead)
+      map%hub = pack([(lead, lead=1, n_lead)], next > SPAN)
+      allocate (map%part(size(map%hub) + 1))
+      map%part(1) = 1
+      do j = 1, size(map%hub)
+         map%part(j + 1) = map%part(j) + (next(map%hub(j)) + SPAN - 1)/SPAN
+      end do
+   end subroutine build_lead_map
+
+   !> First and last entry of a part of hub h
+   pure function part_entries(map, h, part) result(entries)
+      type(lead_map_t), intent(in) :: map
+      integer, intent(in) :: h, part
+      integer :: entries(2)
+
+      entries(1) = map%first(map%hub(h)) + SPAN*(part - map%part(h))
+      entries(2) = min(entries(1) + SPAN, map%first(map%hub(h) + 1)) - 1
+   end function part_entries
+
+   !> Sum of the wrenches of a part of hub h
+   pure subroutine sum_part(map, wrench, h, part, total)
+      type(lead_map_t), intent(in) :: map
+      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (rows of one, n_joint)
+      integer, intent(in) :: h, part
+      real(wp), intent(out) :: total(N_SUM)
+
+      real(wp) :: f(1, 3), m(1, 3), kn(1), kr(1)
+
+      call sum_rows(1, part_entries(map, h, part) + [0, 1], map%joint, wrench, f, m, kn, kr)
+      total = [f, m, kn, kr]
+   end subroutine sum_part
+
+   !> f, m, kn, kr of leads lo..hi := sums over their joints; row 1 is lead lo. kn and kr are 0
+   !> where wrenches have none.
+   pure subroutine gather_wrenches(map, wrench, ready, part, lo, hi, f, m, kn, kr)
+      type(lead_map_t), intent(in) :: map
+      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (rows of one, n_joint)
+      logical, intent(in) :: ready(:)            !! the sum of this part of a hub is there
+      real(wp), intent(in) :: part(:, :)         !! (N_SUM, parts)
+      integer, intent(in) :: lo, hi
+      real(wp), intent(inout) :: f(lo:, :), m(lo:, :)     !! (>= hi - lo + 1, 3), W
+      real(wp), intent(inout) :: kn(lo:), kr(lo:)         !! (>= hi - lo + 1)
+
+      real(wp) :: total(N_SUM)
+      integer :: from, to, h
+
+      from = lo
+      do h = lower_bound(map%hub, lo), size(map%hub)
+         to = map%hub(h)
+         if (to > hi) exit
+         call sum_rows(to - from, map%first(from:to), map%joint, wrench, f(from:, :), &
+            m(from:, :), kn(from:), kr(from:))
+         call sum_parts(map, wrench, ready, part, h, total)
+         f(to, :) = total(1:3)
+         m(to, :) = total(4:6)
+         kn(to) = total(7)
+         kr(to) = total(8)
+         from = to + 1
+      end do
+      call sum_rows(hi - from + 1, map%first(from:hi + 1), map%joint, wrench, f(from:, :), &
+         m(from:, :), kn(from:), kr(from:))
+   end subroutine gather_wrenches
+
+   !> Sums over the entries of n rows; row i has first(i) to first(i + 1) - 1
+   pure subroutine sum_rows(n, first, joint, wrench, f, m, kn, kr)
+      integer, intent(in) :: n
+      integer, intent(in) :: first(n + 1)
+      integer, contiguous, intent(in) :: joint(:)         !! of each entry
+      real(wp), contiguous, intent(in) :: wrench(:, :)
+      real(wp), intent(inout) :: f(:, :), m(:, :), kn(:), kr(:)
+
+      real(wp) :: force(3), moment(3), s, r
+      logical :: stiff
+      integer :: row, i, j
+
+      stiff = size(wrench, 1) >= W_KR2
+      do row = 1, n
+         force = 0.0_wp
+         moment = 0.0_wp
+         s = 0.0_wp
+         r = 0.0_wp
+         do i = first(row), first(row + 1) - 1
+            j = abs(joint(i))
+            if (stiff) s = s + wrench(W_KN, j)
+            if (joint(i) > 0) then
+               force = force + wrench(W_FORCE:W_FORCE + 2, j)
+               moment = moment + wrench(W_MOMENT1:W_MOMENT1 + 2, j)
+               if (stiff) r = r + wrench(W_KR1, j)
+            else
+               force = force - wrench(W_FORCE:W_FORCE + 2, j)
+               moment = moment + wrench(W_MOMENT2:W_MOMENT2 + 2, j)
+               if (stiff) r = r + wrench(W_KR2, j)
+            end if
+         end do
+         f(row, :) = force
+         m(row, :) = moment
+         kn(row) = s
+         kr(row) = r
+      end do
+   end subroutine sum_rows
+
+   !> Sum of the parts of hub h, those that are not ready included
+   pure subroutine sum_parts(map, wrench, ready, part, h, total)
+      type(lead_map_t), intent(in) :: map
+      real(wp), contiguous, intent(in) :: wrench(:, :)
+      logical, intent(in) :: ready(:)
+      real(wp), intent(in) :: part(:, :)
+      integer, intent(in) :: h
+      real(wp), intent(out) :: total(N_SUM)
+
+      real(wp) :: more(N_SUM)
+      integer :: p
+
+      total = 0.0_wp
+      do p = map%part(h), map%part(h + 1) - 1
+         if (ready(p)) then
+            more = part(:, p)
+         else
+            call sum_part(map, wrench, h, p, more)
+         end if
+         total = total + more
+      end do
+   end subroutine sum_parts
+
+end module kj_lead_map

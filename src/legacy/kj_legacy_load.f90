@@ -1,0 +1,278 @@
+!> Loads, gravity, boundary conditions and imposed motion of one legacy cycle.
+!> Source: legacy_scheme.md 1.3 to 1.5 and 5.3.
+module kj_legacy_load
+   use kj_kinds, only: wp
+   use kj_math3, only: cross
+   use kj_curve, only: load_value
+   use kj_model, only: model_t, load_t, motion_t, BY_TIME, BY_DISPLACEMENT, IMPOSE_VELOCITY, &
+      IMPOSE_DISPLACEMENT
+   use kj_legacy_state, only: legacy_state_t
+   use kj_skew, only: axis_of
+   implicit none
+   private
+
+   public :: is_loaded, add_cloads, find_gravity, gravity_at, hold_conditions, impose_motion
+
+contains
+
+   !> Forces or moments may act on leads themselves; f_own and m_own are 0 otherwise
+   pure logical function is_loaded(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+
+      is_loaded = size(model%cload) > 0 .or. allocated(state%f_host)
+   end function is_loaded
+
+   !> Add concentrated loads to the leads; loads on secondary nodes join the sums of their body.
+   !>
+   !> Legacy quirk: consecutive cards with the same curve and time share one value, whatever their
+   !> abscissa scales; with a displacement or velocity abscissa the curve alone decides.
+   subroutine add_cloads(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      real(wp) :: t, y, y_old, last_t, value, axis(3), rate
+      integer :: i, k, node, last_curve
+
+      state%power = 0.0_wp
+      last_curve = -1
+      last_t = 0.0_wp
+      y = 0.0_wp
+      y_old = 0.0_wp
+      do i = 1, size(model%cload)
+         associate (load => model%cload(i))
+            t = state%time
+            if (load%sensed) t = t - load%t_start
+            if (t < 0.0_wp .or. state%time > load%t_stop) cycle
+            if (load%abscissa == BY_TIME .and. &
+               (load%curve /= last_curve .or. abs(t - last_t) > 0.0_wp)) then
+               y = load_value(model%curves, load%curve, t/load%x_scale)
+               y_old = load_value(model%curves, load%curve, max(0.0_wp, t - state%h1)/load%x_scale)
+            end if
+            do k = 1, size(load%node)
+               node = load%node(k)
+               axis = axis_of(state%world%skew, load%skew, load%dir)
+               rate = rate_along(model, state, load, node, axis)
+               if (load%abscissa /= BY_TIME .and. load%curve /= last_curve) then
+                  y = load_value(model%curves, load%curve, &
+                     abscissa_of(model, state, load, node, axis)/load%x_scale)
+                  y_old = y
+               end if
+               last_curve = load%curve
+               last_t = t
+               value = load%y_scale*y
+               call add_load(model, state, load%dir, node, value*axis)
+               state%power = state%power + 0.5_wp*load%y_scale*(y_old + y)*rate
+            end do
+         end associate
+      end do
+   end subroutine add_cloads
+
+   !> Velocity or angular velocity of a loaded dof
+   pure real(wp) function rate_along(model, state, load, node, axis) result(rate)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+      type(load_t), intent(in) :: load
+      integer, intent(in) :: node
+      real(wp), intent(in) :: axis(3)
+
+      if (load%dir <= 3) then
+         rate = dot_product(state%v(node, :), axis)
+      else
+         rate = dot_product(state%world%w(model%lead(node), :), axis)
+      end if
+   end function rate_along
+
+   !> Displacement or velocity that a load depends on
+   pure real(wp) function abscissa_of(model, state, load, node, axis) result(x)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+      type(load_t), intent(in) :: load
+      integer, intent(in) :: node
+      real(wp), intent(in) :: axis(3)
+
+      if (load%abscissa == BY_DISPLACEMENT) then
+         x = dot_product(state%d(node, :), axis)
+      else
+         x = rate_along(model, state, load, node, axis)
+      end if
+   end function abscissa_of
+
+   pure subroutine add_load(model, state, dir, node, vector)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+      integer, intent(in) :: dir, node
+      real(wp), intent(in) :: vector(3)
+
+      integer :: lead
+
+      lead = model%lead(node)
+      if (node == lead) then
+         if (dir <= 3) then
+            state%f_own(lead, :) = state%f_own(lead, :) + vector
+         else
+            state%m_own(lead, :) = state%m_own(lead, :) + vector
+         end if
+      else if (dir <= 3) then
+         state%f(lead, :) = state%f(lead, :) + vector
+         state%m(lead, :) = state%m(lead, :) + &
+            cross(state%world%x(node, :) - state%world%x(lead, :), vector)
+      else
+         state%m(lead, :) = state%m(lead, :) + vector
+      end if
+   end subroutine add_load
+
+   !> Acceleration of a gravity card at time t, W; inactive before its sensor
+   pure function gravity_at(model, state, load, t) result(g)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+      type(load_t), intent(in) :: load
+      real(wp), intent(in) :: t
+      real(wp) :: g(3)
+
+      real(wp) :: since
+
+      g = 0.0_wp
+      since = t
+      if (load%sensed) since = t - load%t_start
+      if (since < 0.0_wp .or. t > load%t_stop) return
+      g = load%y_scale*load_value(model%curves, load%curve, since/load%x_scale)* &
+         axis_of(state%world%skew, load%skew, load%dir)
+   end function gravity_at
+
+   !> Acceleration of each card of gravity now, and its mean with that of the last cycle
+   pure subroutine find_gravity(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      integer :: i
+
+      do i = 1, size(model%gravity)
+         associate (field => state%field(i))
+            field%now = gravity_at(model, state, model%gravity(i), state%time)
+            field%mean = 0.5_wp*(field%now + gravity_at(model, state, model%gravity(i), &
+               max(0.0_wp, state%time - state%h1)))
+         end associate
+      end do
+   end subroutine find_gravity
+
+   !> Boundary conditions: the blocked components of acceleration and velocity become zero
+   subroutine hold_conditions(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      integer :: i, dof, lead
+      real(wp) :: e(3)
+
+      do i = 1, size(model%bcs)
+         lead = model%bcs(i)%lead
+         state%w_before(i, :) = state%world%w(lead, :)
+         do dof = 1, 6
+            if (.not. model%bcs(i)%fixed(dof)) cycle
+            e = axis_of(state%world%skew, model%bcs(i)%skew, dof)
+            if (dof <= 3) then
+               state%a(lead, :) = without(state%a(lead, :), e)
+               state%v(lead, :) = without(state%v(lead, :), e)
+            else
+               state%al(lead, :) = without(state%al(lead, :), e)
+               state%world%w(lead, :) = without(state%world%w(lead, :), e)
+            end if
+         end do
+      end do
+   end subroutine hold_conditions
+
+   pure function without(a, e) result(b)
+      real(wp), intent(in) :: a(3), e(3)
+      real(wp) :: b(3)
+
+      b = a - dot_product(a, e)*e
+   end function without
+
+   !> Imposed motion: replaces one component of the acceleration, and counts its work.
+   !>
+   !> velocity: (c F(t + h2/2) - v)/h12;  displacement: ((c F(t + h2) - d)/h2 - v)/h12, after a
+   !> sensor (c F(t + h2) - c F(t))/h2;  acceleration: c F(t + h2)
+   subroutine impose_motion(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      integer :: i
+      real(wp) :: e(3), old, new, rate, power
+
+      do i = 1, size(model%motion)
+         associate (motion => model%motion(i))
+            power = 0.0_wp
+            if (state%time >= motion%t_start .and. state%time <= motion%t_stop) then
+               e = axis_of(state%world%skew, motion%skew, motion%dir)
+               if (motion%dir <= 3) then
+                  old = dot_product(state%a(motion%lead, :), e)
+                  rate = dot_product(state%v(motion%lead, :), e)
+                  new = wanted_acceleration(model, state, motion, rate, &
+                     dot_product(state%d(motion%lead, :), e))
+                  state%a(motion%lead, :) = state%a(motion%lead, :) + (new - old)*e
+               else
+                  old = dot_product(state%al(motion%lead, :), e)
+                  rate = dot_product(state%world%w(motion%lead, :), e)
+                  new = wanted_acceleration(model, state, motion, rate, &
+                     dot_product(state%motion_turn(i, :), e))
+                  state%al(motion%lead, :) = state%al(motion%lead, :) + (new - old)*e
+               end if
+               power = 0.25_wp*(new - old)*inertia_along(model, state, motion, e)* &
+                  (state%h12*new + 2.0_wp*rate)
+            end if
+            state%work = state%work + state%h1*(power + state%motion_power(i))
+            state%motion_power(i) = power
+         end associate
+      end do
+   end subroutine impose_motion
+
+   pure real(wp) function wanted_acceleration(model, state, motion, rate, moved) result(a)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: rate, moved    !! velocity and displacement along the dof
+
+      real(wp) :: t, target
+
+      t = state%time - motion%t_sensor
+      select case (motion%kind)
+      case (IMPOSE_VELOCITY)
+         a = (curve_at(t + 0.5_wp*state%h2) - rate)/state%h12
+      case (IMPOSE_DISPLACEMENT)
+         target = curve_at(t + state%h2) - moved
+         if (motion%sensed) target = curve_at(t + state%h2) - curve_at(t)
+         a = (target/state%h2 - rate)/state%h12
+      case default   ! IMPOSE_ACCELERATION
+         a = curve_at(t + state%h2)
+      end select
+   contains
+      pure real(wp) function curve_at(time)
+         real(wp), intent(in) :: time
+
+         curve_at = motion%y_scale*load_value(model%curves, motion%curve, time/motion%x_scale)
+      end function curve_at
+   end function wanted_acceleration
+
+   !> Mass or inertia that the work of an imposed motion counts with; for rotations of a body
+   !> e.J e in a skew, but the sum of a column of J in global axes (legacy quirk)
+   pure real(wp) function inertia_along(model, state, motion, e) result(m)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: e(3)
+
+      real(wp) :: p(3, 3), je(3)
+
+      if (motion%dir <= 3) then
+         m = state%mass(motion%lead)
+      else if (motion%lead > model%n_body) then
+         m = state%inertia(motion%lead)
+      else
+         p = reshape(state%p(motion%lead, :), [3, 3])
+         je = matmul(p, state%principal(motion%lead, :)*matmul(e, p))
+         m = dot_product(e, je)
+         if (motion%skew == 0) m = sum(je)
+      end if
+   end function inertia_along
+
+end module kj_legacy_load

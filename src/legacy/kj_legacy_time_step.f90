@@ -1,0 +1,121 @@
+!> The nodal time step of the legacy scheme.
+!> Source: legacy_scheme.md 2 and 4.9.
+module kj_legacy_time_step
+   use kj_kinds, only: wp
+   use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW
+   use kj_legacy_state, only: legacy_state_t, NO_LIMIT, GROWTH, OWNER_NONE, OWNER_NODE, OWNER_BODY
+   implicit none
+   private
+
+   public :: choose_step, least_ratio
+
+contains
+
+   !> h2, h_old and h12 of this cycle from the nodal stiffness; may add mass (/DT/NODA/CST)
+   subroutine choose_step(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      real(wp) :: limit, nodal
+
+      limit = NO_LIMIT
+      state%owner_kind = OWNER_NONE
+      if (model%control%nodal_step) then
+         nodal = nodal_limit(model, state)
+         select case (model%control%below_min)
+         case (SCALE_MASS)
+            if (nodal < model%control%dt_min) then
+               call add_mass(model, state)
+               nodal = min(limit, model%control%dt_min)
+            end if
+         case (SCALE_MASS_NEXT)
+            if (nodal < model%control%dt_min) call add_mass(model, state)
+         case (STOP_BELOW)
+            state%ended = nodal < model%control%dt_min
+         end select
+         limit = min(limit, nodal)
+      else if (model%control%joint_step) then
+         limit = nodal_limit(model, state)
+      end if
+      if (limit >= NO_LIMIT) state%owner_kind = OWNER_NONE
+      state%h2 = min(limit, GROWTH*state%h_old, model%control%dt_max)
+      if (state%h2 < limit) state%owner_kind = OWNER_NONE
+      state%h_old = state%h2
+      state%h12 = 0.5_wp*(state%h1 + state%h2)
+   end subroutine choose_step
+
+   !> fac min sqrt(2 m/k) over leads with mass, and sqrt(2 I/k_r) over leads with inertia; finds the
+   !> owner of the step, too
+   real(wp) function nodal_limit(model, state) result(limit)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state   !! least_ratio and its lead are known
+
+      integer :: piece
+
+      limit = NO_LIMIT
+      state%owner = 0
+      if (size(state%least) > 0) then
+         piece = minloc(state%least, dim=1)
+         state%owner = state%least_at(piece)
+         if (state%least(piece) < 0.25_wp*huge(1.0_wp)) &
+            limit = model%control%dt_factor*sqrt(2.0_wp*state%least(piece))
+      end if
+      state%owner_kind = merge(OWNER_BODY, OWNER_NODE, state%owner <= model%n_body)
+      if (state%owner == 0) state%owner_kind = OWNER_NONE
+   end function nodal_limit
+
+   !> The least m/k and I/k_r of leads lo..hi, and the first lead that has it (0 = none); the step
+   !> of TYPE45 joints is that of the leads that carry them
+   pure subroutine least_ratio(model, state, lo, hi, kn, kr, least, at)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+      integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: kn(lo:), kr(lo:)   !! stiffness that each lead feels
+      real(wp), intent(out) :: least
+      integer, intent(out) :: at
+
+      real(wp) :: ratio
+      integer :: i
+
+      least = huge(1.0_wp)
+      at = 0
+      do i = lo, hi
+         if (model%control%joint_step .and. model%map%first(i + 1) == model%map%first(i)) cycle
+         ratio = huge(1.0_wp)
+         if (state%mass(i) > 0.0_wp) ratio = state%mass(i)/kn(i)
+         if (state%inertia(i) > 0.0_wp) ratio = min(ratio, state%inertia(i)/kr(i))
+         if (ratio < least) then
+            least = ratio
+            at = i
+         end if
+      end do
+   end subroutine least_ratio
+
+   !> Mass scaling of the leads whose own step lies below dt_min.
+   !>
+   !> m := 1.00001 k/2 (dt_min/fac)^2, I := max(I, 1.00001 k_r/2 (dt_min/fac)^2); the angular
+   !> acceleration of a body shrinks by I_old/I_new, as it is a moment over the nodal inertia.
+   subroutine add_mass(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      real(wp) :: fac, need
+      integer :: i
+
+      fac = model%control%dt_factor
+      do i = 1, model%n_lead
+         if (state%mass(i) > 0.0_wp) then
+            if (fac*sqrt(2.0_wp*state%mass(i)/state%kn(i)) < model%control%dt_min) &
+               state%mass(i) = 1.00001_wp*0.5_wp*state%kn(i)*(model%control%dt_min/fac)**2
+         end if
+         if (state%inertia(i) > 0.0_wp) then
+            if (fac*sqrt(2.0_wp*state%inertia(i)/state%kr(i)) >= model%control%dt_min) cycle
+            need = max(state%inertia(i), 1.00001_wp*0.5_wp*state%kr(i)* &
+               (model%control%dt_min/fac)**2)
+            if (i <= model%n_body) state%al(i, :) = state%al(i, :)*(state%inertia(i)/need)
+            state%inertia(i) = need
+         end if
+      end do
+   end subroutine add_mass
+
+end module kj_legacy_time_step

@@ -1,0 +1,257 @@
+!> Joint frames at the start of a run, and the angles that a KJOINT2 starts with.
+!> Source: legacy_scheme.md 4.2.
+module kj_attach_joint
+   use kj_kinds, only: wp
+   use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
+   use kj_math3, only: cross, unit, rotation, rotation_vector, IDENTITY
+   use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST
+   use kj_deck_text, only: deck_t
+   use kj_cards, only: rows_t, report_row
+   use kj_draft, only: draft_t
+   use kj_model, only: model_t
+   use kj_joint_draft, only: property_t, joint_t
+   implicit none
+   private
+
+   public :: match_skews, mean_frame, frame_of_skews, frame_of_nodes, angles_of_skews
+
+   real(wp), parameter :: APART = 1.0e-10_wp   !! nodes nearer than this coincide, length
+   integer, parameter :: N_NODE(9) = [2, 3, 3, 3, 4, 3, 3, 2, 4]   !! that each joint type needs
+
+contains
+
+   !> Skews of a joint against the bodies of its nodes; crosswise skews are swapped
+   subroutine match_skews(deck, block, rows, i, draft, model, p, joint, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, i
+      type(rows_t), intent(in) :: rows
+      type(draft_t), intent(in) :: draft
+      type(model_t), intent(in) :: model
+      type(property_t), intent(in) :: p
+      type(joint_t), intent(inout) :: joint
+      type(finding_list_t), intent(inout) :: findings
+
+      integer :: e, s, body(2), owner(2)
+
+      joint%skew = p%skew
+      do e = 1, 2
+         body(e) = model%lead(joint%node(e))
+         if (body(e) > model%n_body) body(e) = 0
+         owner(e) = -1
+         s = p%skew(e)
+         if (s == 0) cycle
+         if (any(draft%skews%node(:, s) == 0)) cycle
+         owner(e) = draft%body(draft%skews%node(1, s))
+         if (any(draft%body(draft%skews%node(:, s)) /= owner(e))) owner(e) = 0
+         if (owner(e) == 0 .and. body(e) > 0) call report_row(deck, block, rows, i, 'id', &
+            SEV_WARNING, 'KJ-0919', 'the nodes of skew '//str(draft%skews%id(s))// &
+            ' are not all secondary nodes of one rigid body', 'joint with this skew', findings)
+      end do
+      if (any(owner <= 0)) return
+      if (body(1) /= body(2) .and. all(owner == body(2:1:-1))) then
+         joint%skew = p%skew(2:1:-1)
+         call report_row(deck, block, rows, i, 'id', SEV_WARNING, 'KJ-0921', &
+            'the skews of the joint stand crosswise to its nodes: they were swapped', 'swapped', &
+            findings)
+      else if (any(owner /= body)) then
+         call report_row(deck, block, rows, i, 'id', SEV_WARNING, 'KJ-0920', &
+            'a skew of the joint belongs to another body than its node', 'joint with this skew', &
+            findings)
+      end if
+   end subroutine match_skews
+
+   !> Initial frame by the rule of the property.
+   !> Source: legacy_scheme.md 4.2.
+   subroutine frame_of_skews(deck, block, rows, i, draft, p, joint, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, i
+      type(rows_t), intent(in) :: rows
+      type(draft_t), intent(in) :: draft
+      type(property_t), intent(in) :: p
+      type(joint_t), intent(inout) :: joint
+      type(finding_list_t), intent(inout) :: findings
+
+      logical :: opposite
+
+      call mean_frame(p%frame, draft%skews%axes(joint%skew(1), :), &
+         draft%skews%axes(joint%skew(2), :), joint%frame, opposite)
+      if (opposite) call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-9121', &
+         'the skews of the joint are 180 degrees apart: they have no mean frame', &
+         'joint with these skews', findings)
+   end subroutine frame_of_skews
+
+   !> Frame of a joint from the axes of its two skews, by a frame rule
+   pure subroutine mean_frame(rule, axes1, axes2, frame, opposite)
+      integer, intent(in) :: rule                 !! FRAME_ constant
+      real(wp), intent(in) :: axes1(9), axes2(9)  !! columns, W
+      real(wp), intent(out) :: frame(3, 3)        !! columns, W
+      logical, intent(out) :: opposite            !! 180 degrees apart: there is no mean
+
+      real(wp) :: u(3, 3), v(3, 3), half(3)
+
+      u = reshape(axes1, [3, 3])
+      v = reshape(axes2, [3, 3])
+      opposite = .false.
+      select case (rule)
+      case (FRAME_FIRST)
+         frame = u
+      case (FRAME_MEAN)
+         half = 0.5_wp*rotation_vector(matmul(transpose(u), v))
+         frame = matmul(u, rotation(half))
+         opposite = norm2(half) > 2.0_wp*atan(1.0_wp) - 1.0e-6_wp
+      case default   ! FRAME_CROSS
+         frame(:, 1) = unit(cross(u(:, 1), v(:, 1)))
+         frame(:, 2) = u(:, 1)
+         frame(:, 3) = v(:, 1)
+      end select
+   end subroutine mean_frame
+
+   !> Initial frame of a KJOINT2: from its nodes, else from its first skew.
+   !>
+   !> Two nodes: x from 1 to 2. Three: x from 1 to 3. Four: x from 1 to 3, y in the plane of 1, 3
+   !> and 4; universal: y from 1 to 3, z from 1 to 4.
+   subroutine frame_of_nodes(deck, block, rows, i, draft, x, given, p, joint, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, i
+      type(rows_t), intent(in) :: rows
+      type(draft_t), intent(in) :: draft
+      real(wp), intent(in) :: x(3, 4)             !! places of the nodes, W
+      integer, intent(in) :: given                !! number of nodes on the card, 2 to 4
+      type(property_t), intent(in) :: p
+      type(joint_t), intent(inout) :: joint
+      type(finding_list_t), intent(inout) :: findings
+
+      logical :: apart12, has_skew
+      integer :: type
+
+      type = joint_types(p%row)%id
+      apart12 = norm2(x(:, 2) - x(:, 1)) > APART
+      has_skew = p%skew(1) > 0
+      if (.not. has_skew .and. merge(3, given, given == 2 .and. apart12) < N_NODE(type)) then
+         call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-0936', 'the '// &
+            trim(joint_types(p%row)%name)//' joint needs '//str(N_NODE(type))// &
+            ' nodes for its axes', 'expected: more nodes, or a skew in the property', findings)
+      else if (given == 2 .and. N_NODE(type) == 2 .and. .not. has_skew) then
+         joint%frame = IDENTITY
+      else if (given == 2 .and. .not. apart12) then
+         joint%frame = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
+      else if (norm2(x(:, min(given, 3)) - x(:, 1)) <= APART) then
+         call report_row(deck, block, rows, i, 'n3', SEV_ERROR, 'KJ-1009', &
+            'node 3 of the joint lies on node 1: the joint has no x axis', 'same place as n1', &
+            findings)
+      else if (given < 4) then
+         joint%frame = frame_about(unit(x(:, given) - x(:, 1)))
+      else
+         call frame_of_plane(deck, block, rows, i, x(:, 3) - x(:, 1), x(:, 4) - x(:, 1), &
+            type == 5, joint, findings)
+      end if
+   end subroutine frame_of_nodes
+
+   !> Frame with this x axis; y is perpendicular to it and to one of the global axes
+   pure function frame_about(axis) result(frame)
+      real(wp), intent(in) :: axis(3)             !! unit
+      real(wp) :: frame(3, 3)
+
+      real(wp) :: y(3)
+
+      y = [-axis(2), axis(1), 0.0_wp]
+      if (maxloc(abs(axis), 1, back=.true.) == 3) y = [0.0_wp, axis(3), -axis(2)]
+      frame(:, 1) = axis
+      frame(:, 2) = unit(y)
+      frame(:, 3) = unit(cross(axis, y))
+   end function frame_about
+
+   !> Frame of two directions: x along a and y in their plane; universal: y along a, z along b
+   subroutine frame_of_plane(deck, block, rows, i, a, b, universal, joint, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, i
+      type(rows_t), intent(in) :: rows
+      real(wp), intent(in) :: a(3), b(3)
+      logical, intent(in) :: universal
+      type(joint_t), intent(inout) :: joint
+      type(finding_list_t), intent(inout) :: findings
+
+      real(wp) :: normal(3)
+
+      normal = cross(a, b)
+      if (norm2(normal) <= 1.0e-10_wp*dot_product(a, a)) then
+         call report_row(deck, block, rows, i, 'n4', SEV_ERROR, 'KJ-0937', &
+            'nodes 1, 3 and 4 of the joint do not span a plane', 'on a line with n1 and n3', &
+            findings)
+         return
+      end if
+      if (.not. universal) then
+         joint%frame(:, 1) = unit(a)
+         joint%frame(:, 2) = unit(cross(normal, a))
+         joint%frame(:, 3) = unit(normal)
+         return
+      end if
+      joint%frame(:, 1) = unit(normal)
+      joint%frame(:, 2) = unit(a)
+      joint%frame(:, 3) = unit(b)
+      if (abs(dot_product(a, b))/(norm2(normal) + norm2(a)) < 1.0e-4_wp) return
+      joint%frame(:, 3) = unit(cross(joint%frame(:, 1), joint%frame(:, 2)))
+      call report_row(deck, block, rows, i, 'n4', SEV_WARNING, 'KJ-9128', &
+         'the axes of the universal joint, from node 1 to 3 and to 4, are not perpendicular: '// &
+         'the second was turned', 'expected: perpendicular axes', findings)
+   end subroutine frame_of_plane
+
+   !> Angles that a KJOINT2 starts with: the second skew against the first.
+   !>
+   !> Types 2, 3 and 4 turn about x alone, so the x axes of both skews are put on that of the joint.
+   subroutine angles_of_skews(deck, block, rows, i, draft, p, joint, findings)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, i
+      type(rows_t), intent(in) :: rows
+      type(draft_t), intent(in) :: draft
+      type(property_t), intent(in) :: p
+      type(joint_t), intent(inout) :: joint
+      type(finding_list_t), intent(inout) :: findings
+
+      real(wp) :: u(3, 3), v(3, 3), cosine
+      integer :: dof
+
+      joint%angle = 0.0_wp
+      if (any(p%skew == 0)) return
+      if (joint_types(p%row)%id >= 5 .and. joint_types(p%row)%id <= 8) return
+      if (draft%skews%id(p%skew(2)) <= 2) call report_row(deck, block, rows, i, 'id', SEV_WARNING, &
+         'KJ-9129', 'skew_2 of the joint has the id '//str(draft%skews%id(p%skew(2)))// &
+         ': OpenRadioss starts with undefined angles', 'joint with this skew', findings, &
+         hint='give the skew an id above 2')
+      u = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
+      v = reshape(draft%skews%axes(p%skew(2), :), [3, 3])
+      if (joint_types(p%row)%id >= 2 .and. joint_types(p%row)%id <= 4) then
+         cosine = min(abs(dot_product(u(:, 1), joint%frame(:, 1))), abs(dot_product(v(:, 1), &
+            joint%frame(:, 1))))
+         if (cosine < 0.98_wp) then
+            call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-3076', &
+               'the x axes of the skews of the joint are not along its axis', &
+               'joint with these skews', findings)
+            return
+         end if
+         if (cosine < 0.9998_wp) call report_row(deck, block, rows, i, 'id', SEV_WARNING, &
+            'KJ-3067', 'the x axes of the skews of the joint are over 1 degree off its axis', &
+            'joint with these skews', findings)
+         call align(joint%frame(:, 1), u)
+         call align(joint%frame(:, 1), v)
+      end if
+      joint%angle = rotation_vector(matmul(transpose(u), v))
+      do dof = 4, 6
+         if (p%lo(dof) < 0.0_wp .and. joint%angle(dof - 3) < p%lo(dof) .or. &
+            p%hi(dof) > 0.0_wp .and. joint%angle(dof - 3) > p%hi(dof)) call report_row(deck, &
+            block, rows, i, 'id', SEV_ERROR, 'KJ-1133', &
+            'an angle of the joint starts beyond its stop', 'joint with these skews', findings)
+      end do
+   end subroutine angles_of_skews
+
+   !> Put the x axis of a frame on +axis or -axis, whichever is nearer
+   pure subroutine align(axis, frame)
+      real(wp), intent(in) :: axis(3)
+      real(wp), intent(inout) :: frame(3, 3)
+
+      frame(:, 1) = sign(1.0_wp, dot_product(frame(:, 1), axis))*axis
+      frame(:, 3) = unit(cross(frame(:, 1), frame(:, 2)))
+      frame(:, 2) = cross(frame(:, 3), frame(:, 1))
+   end subroutine align
+
+end module kj_attach_joint
