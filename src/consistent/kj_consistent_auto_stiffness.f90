@@ -5,6 +5,7 @@
 !> effective mass or inertia, and w is as high as the wanted step allows: factor times the safe
 !> bound of the scene is the largest step of the deck (/DTIX), or, where the rest of the scene asks
 !> for less, nine tenths of what that asks for. Then SCF scales the result.
+!> Source: docs/theory/consistent.md 12.
 module kj_consistent_auto_stiffness
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN

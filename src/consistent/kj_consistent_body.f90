@@ -1,7 +1,7 @@
 !> Rigid bodies under the consistent formulation: half kicks, the drift by plane rotations, and the
 !> angular velocity that belongs to an angular momentum.
-!> Source: consistent.md 1 (split2), 3; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107 (1997)
-!> 5840.
+!> Source: docs/theory/consistent.md 2, 3; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107
+!> (1997) 5840.
 module kj_consistent_body
    use kj_kinds, only: wp
    use kj_math3, only: turn_coefficients

@@ -6,7 +6,7 @@
 !> couples A1(:, k) on the body of node 1, r x E(:, k) - A1(:, k) on the other, next to those of the
 !> arms; for rotation k the moment R(:, k) on body 1 and the opposite on body 2. Matrices are 9
 !> columns; all vectors W; r goes from node 1 to node 2.
-!> Source: consistent.md 1.
+!> Source: docs/theory/joints.md 2 to 7.
 module kj_consistent_chart
    use kj_kinds, only: wp
    use kj_math3, only: angles

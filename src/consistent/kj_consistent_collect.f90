@@ -1,5 +1,5 @@
 !> Boundary conditions and imposed motions, gathered lead by lead.
-!> Source: consistent.md, notes on choices.
+!> Source: docs/theory/consistent.md 7.
 module kj_consistent_collect
    use kj_kinds, only: wp
    use kj_block, only: BLOCK

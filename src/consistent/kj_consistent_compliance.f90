@@ -1,5 +1,5 @@
 !> What the joints of a block meet: S = B M^-1 B^T, and the largest eigenvalue of K^1/2 S K^1/2.
-!> Source: consistent.md 4.
+!> Source: docs/theory/time_step.md 3, 4.
 module kj_consistent_compliance
    use kj_kinds, only: wp
    use kj_joint_types, only: NDOF

@@ -1,6 +1,6 @@
 !> Boundary conditions and imposed motion under the consistent formulation: projections of velocity
 !> and angular momentum in the half kicks, exact turns about a single free axis in the drift.
-!> Source: consistent.md, notes on choices.
+!> Source: docs/theory/consistent.md 7.
 module kj_consistent_conditions
    use kj_kinds, only: wp
    use kj_math3, only: rotation, to_quaternion, cross

@@ -1,6 +1,6 @@
 !> Damping forces of the joints of a batch under the consistent formulation: pass 2 of a step, from
 !> predicted velocities, by block Jacobi (no loss of time step), and the energy that they take.
-!> Source: consistent.md 4.
+!> Source: docs/theory/consistent.md 6.
 module kj_consistent_dampers
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value

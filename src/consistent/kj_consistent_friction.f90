@@ -5,6 +5,7 @@
 !>   of the limit, and r.p >= 0 is lost.
 !>
 !> Combined directions share the ellipse sum (r/limit)^2 <= 1.
+!> Source: docs/theory/consistent.md 10.
 module kj_consistent_friction
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value

@@ -14,6 +14,7 @@
 !> half a step of its force. So as long as its spring would be wound up in less than two steps, the
 !> run starts with steps that take WINDUP of them to do it. Only then: a step that goes up and down
 !> for the sake of friction would pump the ringing of blocked directions.
+!> Source: docs/theory/time_step.md 8.
 module kj_consistent_impact_step
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF

@@ -6,6 +6,7 @@
 !> Islands with nearly the same limit share a part because kernels work on blocks of joints: a
 !> thousand equal pendulums are one part, not a thousand. Parts share nothing, so threads can take
 !> them in any order and the bits of a run stay the same.
+!> Source: docs/theory/consistent.md 14.
 module kj_consistent_islands
    use kj_kinds, only: wp
    use kj_sort, only: sort_unique

@@ -1,6 +1,6 @@
 !> What a step does with its leads, block by block: between the forces of two poses a lead depends
 !> on no other.
-!> Source: consistent.md 1.
+!> Source: docs/theory/consistent.md 2.
 module kj_consistent_leads
    use kj_kinds, only: wp
    use kj_block, only: BLOCK

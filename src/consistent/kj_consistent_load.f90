@@ -1,4 +1,5 @@
 !> Concentrated loads and gravity under the consistent formulation, their work and their power.
+!> Source: docs/theory/consistent.md 8.
 module kj_consistent_load
    use kj_kinds, only: wp
    use kj_math3, only: cross

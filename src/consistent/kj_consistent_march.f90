@@ -1,5 +1,6 @@
 !> The march of a consistent run: equal steps up to a wanted time, none longer than the limit, which
 !> is found anew as the scene moves; and the ledger of energy.
+!> Source: docs/theory/time_step.md 9; the ledger: docs/theory/consistent.md 13.
 module kj_consistent_march
    use kj_kinds, only: wp
    use kj_model, only: model_t

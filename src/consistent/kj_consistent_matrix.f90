@@ -1,6 +1,6 @@
 !> The matrix B of blocks of joints at work: rates q' = B u from the velocities of the leads, and
 !> wrenches -B^T F on them. What its columns are stands in kj_consistent_chart.
-!> Source: consistent.md 1.
+!> Source: docs/theory/joints.md 2.
 module kj_consistent_matrix
    use kj_kinds, only: wp
    use kj_joint_types, only: NDOF

@@ -1,6 +1,6 @@
 !> Drift by the implicit Lie midpoint rule: exact angular momentum in space, exact energy of bodies
 !> with two equal inertias.
-!> Source: accuracy.md (liemid); Krysl, IJNME 63 (2005) 2171.
+!> Source: docs/theory/consistent.md 4; Krysl, IJNME 63 (2005) 2171.
 module kj_consistent_midpoint
    use kj_kinds, only: wp
    use kj_math3, only: cross, rotation, inverse3, turn_coefficients, IDENTITY

@@ -17,7 +17,8 @@ module kj_consistent_nodal_step
 
 contains
 
-   !> Stiffness that the joints show to the nodal rule at each lead, as legacy_scheme.md 2 and 4.6
+   !> Stiffness that the joints show to the nodal rule at each lead.
+   !> Source: docs/theory/time_step.md 6.
    subroutine nodal_stiffness(model, c, state, kn, kr)
       type(model_t), intent(in) :: model
       type(consistent_model_t), intent(in) :: c

@@ -1,6 +1,6 @@
 !> What one joint shows to the bounds of the time step: its largest stiffness, the rows of B of each
 !> end, B M^-1 B^T, and eigenvalues.
-!> Source: consistent.md 4.
+!> Source: docs/theory/time_step.md 3.
 module kj_consistent_one_joint
    use kj_kinds, only: wp
    use kj_math3, only: cross

@@ -1,6 +1,6 @@
 !> Munthe-Kaas Runge-Kutta step of fourth order: four force evaluations, dampers from the velocities
 !> of each stage. To verify the other integrators, and for soft joints.
-!> Source: accuracy.md (rkmk4); Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115.
+!> Source: docs/theory/consistent.md 5; Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115.
 module kj_consistent_rkmk
    use kj_kinds, only: wp
    use kj_math3, only: cross

@@ -5,7 +5,7 @@
 !> Safe: with the mass of each body shared among its joints, M = sum s_bj M_b, the step is stable if
 !> 4 M_j - h^2 K_j > 0 for every joint alone: h = 2/sqrt(max lambda_j), lambda_j the largest
 !> eigenvalue of K^1/2 (sum_b B_b M_b^-1 B_b^T / s_bj) K^1/2.
-!> Source: consistent.md 4.
+!> Source: docs/theory/time_step.md 3 to 5.
 module kj_consistent_safe_step
    use kj_kinds, only: wp
    use kj_math3, only: cross

@@ -1,6 +1,6 @@
 !> Forces of the joints of a batch under the consistent formulation: pass 1 of a step, coordinates,
 !> springs and limits from the poses. Pass 2, the dampers, is in kj_consistent_dampers.
-!> Source: consistent.md 1.
+!> Source: docs/theory/joints.md 2, 7, 8.
 module kj_consistent_springs
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value

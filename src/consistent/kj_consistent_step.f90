@@ -1,5 +1,5 @@
 !> One step of the consistent formulation: kick, drift, kick (split2 and liemid), and the forces.
-!> Source: consistent.md 1; accuracy.md, integrators.
+!> Source: docs/theory/consistent.md 2.
 module kj_consistent_step
    use kj_kinds, only: wp
    use kj_math3, only: cross

@@ -9,6 +9,7 @@
 !>
 !> Forces of one direction add up. A stuck spring and a lock are damped by Cr as blocked directions
 !> are; that is left to the dampers (c_limit). Signs are those of q: force on node 1.
+!> Source: docs/theory/consistent.md 9, 11.
 module kj_consistent_stop
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t

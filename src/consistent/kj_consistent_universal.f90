@@ -1,6 +1,6 @@
 !> Coordinates of universal joints under the consistent formulation, for a block of joints; what the
 !> matrices mean stands in kj_consistent_chart.
-!> Source: consistent.md 1.
+!> Source: docs/theory/joints.md 6.
 module kj_consistent_universal
    use kj_kinds, only: wp
    use kj_math3, only: angles

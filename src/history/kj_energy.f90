@@ -1,5 +1,5 @@
 !> Energies and momenta of a legacy state, with velocities advanced to t(n).
-!> Source: legacy_scheme.md 5.
+!> Source: docs/theory/legacy.md 8.
 module kj_energy
    use kj_kinds, only: wp
    use kj_block, only: BLOCK

@@ -1,5 +1,5 @@
 !> The stiffness that a joint asks of the nodal time step, damping included: the one rule of both
-!> formulations. Source: legacy_scheme.md 4.6.
+!> formulations. Source: docs/theory/legacy.md 7.2.
 module kj_nodal_stiffness
    use kj_kinds, only: wp
    use kj_joint_batch, only: joint_batch_t, joint_state_t
@@ -13,7 +13,7 @@ contains
    !> Stiffness that the nodal time step sees, damping included.
    !>
    !>   C = max(cr sqrt(k m), c),   s = (C + sqrt(C^2 + k m))^2 / m;   s = k where m vanishes
-   !> Source: legacy_scheme.md 4.6.
+   !> Source: docs/theory/legacy.md 7.2.
    pure subroutine step_stiffness(n, k_top, c_top, cr, m, s)
       integer, intent(in) :: n
       real(wp), intent(in) :: k_top(n), c_top(n)

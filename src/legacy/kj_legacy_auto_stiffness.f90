@@ -1,5 +1,5 @@
 !> Automatic stiffness of the blocked dofs of KJOINT2, from the first time step.
-!> Source: legacy_scheme.md 4.10.
+!> Source: docs/theory/legacy.md 4.4.
 module kj_legacy_auto_stiffness
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN

@@ -1,5 +1,5 @@
 !> Rigid bodies of the legacy scheme: nodal forces -> accelerations -> motion of their nodes.
-!> Source: legacy_scheme.md 3.2, 3.3.
+!> Source: docs/theory/legacy.md 2.3 to 2.5.
 module kj_legacy_body
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN

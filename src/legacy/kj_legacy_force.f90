@@ -1,7 +1,7 @@
 !> Forces of one batch of joints under the legacy formulation: frame, laws of six dofs, wrench on
 !> the two ends. Blocks of BLOCK joints; joints are independent, so the bits do not depend on how
 !> the range is cut.
-!> Limited batches have their laws in kj_legacy_limits. Source: legacy_scheme.md 4.4 to 4.6.
+!> Limited batches have their laws in kj_legacy_limits. Source: docs/theory/legacy.md 3.5 to 3.7.
 module kj_legacy_force
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t

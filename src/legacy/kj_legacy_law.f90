@@ -31,7 +31,7 @@ contains
    !> Legacy quirks, kept on purpose: the secant (f - f(0))/max(1e-15, q) also counts, so a small
    !> negative q can ask for an enormous stiffness; a negative slope makes the critical damping
    !> of this free dof 0 sqrt(negative) = NaN where the reduced mass is not zero.
-   !> Source: legacy_scheme.md 4.5 (1) and (4).
+   !> Source: docs/theory/legacy.md 3.6.
    pure subroutine add_spring_curve(n, curves, curve, k, mass, q, qdot, f, k_top)
       integer, intent(in) :: n
       type(curve_set_t), intent(in) :: curves

@@ -1,6 +1,6 @@
 !> Leads in a legacy cycle, a piece at a time: forces from their joints, turn of the bodies and
 !> accelerations, in one go while they are in the cache.
-!> Source: legacy_scheme.md 3.
+!> Source: docs/theory/legacy.md 2.
 module kj_legacy_leads
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp

@@ -1,6 +1,6 @@
 !> Forces of a block of KJOINT2 joints with stops, friction, lock or automatic stiffness, under the
 !> legacy formulation: for each dof spring, limits, critical damping, user damping.
-!> Source: legacy_scheme.md 4.5, 4.7, 4.8.
+!> Source: docs/theory/legacy.md 3.6, 4.
 module kj_legacy_limits
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t

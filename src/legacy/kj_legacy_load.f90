@@ -1,5 +1,5 @@
 !> Loads, gravity, boundary conditions and imposed motion of one legacy cycle.
-!> Source: legacy_scheme.md 1.3 to 1.5 and 5.3.
+!> Source: docs/theory/legacy.md 6, 8.2.
 module kj_legacy_load
    use kj_kinds, only: wp
    use kj_math3, only: cross

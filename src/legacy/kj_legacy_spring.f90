@@ -3,7 +3,7 @@
 !> are batches of another kind, with a frame rule and no blocked direction.
 !>
 !> Force and couples are those of virtual work: where the axes ride on an end, the couple r x F goes
-!> to that end; axes fixed in space take it themselves. Source: deck.md 5.3 and 5.4.
+!> to that end; axes fixed in space take it themselves. Source: docs/theory/legacy.md 5.
 module kj_legacy_spring
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value

@@ -1,6 +1,6 @@
 !> One cycle of the legacy scheme, in two halves: up to the accelerations at t(n), where samples are
 !> taken, and the motion to t(n + 1).
-!> Source: legacy_scheme.md 1.2.
+!> Source: docs/theory/legacy.md 1.2.
 module kj_legacy_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp

@@ -2,7 +2,7 @@
 !>
 !> Each adds its force to f and its stiffness to k_eff, raises the time-step stiffness k_top, and
 !> says by `acts` where it acts: there the critical damping of the dof is switched on.
-!> Source: legacy_scheme.md 4.7, 4.8.
+!> Source: docs/theory/legacy.md 4.1 to 4.3.
 module kj_legacy_stop
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value

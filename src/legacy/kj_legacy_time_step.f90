@@ -1,5 +1,5 @@
 !> The nodal time step of the legacy scheme.
-!> Source: legacy_scheme.md 2 and 4.9.
+!> Source: docs/theory/legacy.md 7.
 module kj_legacy_time_step
    use kj_kinds, only: wp
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW

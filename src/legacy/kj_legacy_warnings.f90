@@ -1,5 +1,5 @@
 !> Warnings where a known defect of the legacy scheme acts on a scene: one line each.
-!> Source: accuracy.md, the table of defects.
+!> Source: docs/theory/legacy.md 10.
 module kj_legacy_warnings
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, add_finding, str, SEV_WARNING, ERR_INPUT

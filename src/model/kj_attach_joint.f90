@@ -1,5 +1,5 @@
 !> Joint frames at the start of a run, and the angles that a KJOINT2 starts with.
-!> Source: legacy_scheme.md 4.2.
+!> Source: docs/theory/legacy.md 3.3, 3.4.
 module kj_attach_joint
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
@@ -61,7 +61,7 @@ contains
    end subroutine match_skews
 
    !> Initial frame by the rule of the property.
-   !> Source: legacy_scheme.md 4.2.
+   !> Source: docs/theory/legacy.md 3.3.
    subroutine frame_of_skews(deck, block, rows, i, draft, p, joint, findings)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: block, i

@@ -197,7 +197,7 @@ contains
    !> Reference offset, reduced masses, stiffness and damping of all six dofs, law signature.
    !>
    !> KR = Kn max(1, L0^2), for KJOINT2 Kn max(SCF, L0^2); critical damping Cr sqrt(K m) on the
-   !> blocked dofs. Source: legacy_scheme.md 4.1, 4.3.
+   !> blocked dofs. Source: docs/theory/legacy.md 3.1, 3.2.
    subroutine set_constants(model, p, joint)
       type(model_t), intent(in) :: model
       type(property_t), intent(in) :: p

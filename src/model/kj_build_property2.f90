@@ -1,5 +1,5 @@
 !> Cards -> properties of /PROP/KJOINT2.
-!> Source: deck.md 5.2.
+!> Source: docs/theory/deck.md 5.2.
 module kj_build_property2
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING

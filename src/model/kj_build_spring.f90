@@ -1,7 +1,7 @@
 !> Cards -> properties of springs, /PROP/TYPE4 and /PROP/TYPE8, and their mass on the nodes.
 !>
 !> What is supported is elastic: force = K q, or A f1(q/Ascale), plus C q' + Hscale f4(q'/F).
-!> Source: deck.md 5.3 and 5.4.
+!> Source: docs/theory/deck.md 5.3 and 5.4.
 module kj_build_spring
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING

@@ -23,7 +23,7 @@ contains
    !> that was read as a stiffness (damping). OpenRadioss, and so the legacy formulation, has other
    !> factors: K and C get M/T (1/T for rotations) on top, abscissae are displacement L/T,
    !> velocity L, angle 1, angular velocity T.
-   !> Source: deck.md 5.1.
+   !> Source: docs/theory/deck.md 2.2.
    subroutine convert_functions(deck, cards, draft, p, findings)
       type(deck_t), intent(in) :: deck
       type(cards_t), intent(in) :: cards

@@ -1,5 +1,5 @@
 !> Mass, centre of gravity and principal axes of a rigid body from its main and secondary nodes.
-!> Source: deck.md 12, legacy_scheme.md 3.1.
+!> Source: docs/theory/legacy.md 2.1, 2.2.
 module kj_inertia
    use kj_kinds, only: wp
    use kj_error, only: error_t

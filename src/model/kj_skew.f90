@@ -29,7 +29,7 @@ contains
    !>
    !> The axis `dir` runs from x1 to x2; x3 lies in the plane of that axis and the next one
    !> (x: y, y: z, z: x). /SKEW/MOV2 is the case dir = 3.
-   !> Source: legacy_scheme.md 8.
+   !> Source: docs/theory/deck.md 8.
    pure function skew_axes(dir, x1, x2, x3) result(axes)
       integer, intent(in) :: dir                          !! 1 x, 2 y, 3 z
       real(wp), intent(in) :: x1(3), x2(3), x3(3)
