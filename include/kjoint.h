@@ -43,11 +43,14 @@ int kj_version(char *buffer, size_t size);
  * The host owns nodes, masses and time. Per cycle: positions at t and velocities at t - h/2 go in,
  * forces and moments at t are added into the host's arrays. */
 
+/* Name of a joint type and its free directions (1 free, 0 blocked: tx ty tz rx ry rz); an error where
+ * there is no such type. They count from 1: spherical, revolute, cylindrical, ... */
+int kj_joint_type(int type, char *name, size_t size, int free[6]);
+
 /* A joint; call kj_joint_spec_init first, then set what differs */
 typedef struct kj_joint_spec {
   int id;              /* any number, for messages */
-  int type;            /* 1 spherical 2 revolute 3 cylindrical 4 planar 5 universal
-                          6 translational 7 oldham 8 fixed 9 free */
+  int type;            /* number of the joint type, see kj_joint_type */
   int node[2];         /* nodes of end 1 and end 2 */
   int carrier[2];      /* nodes that take force and moment and whose rotation the ends follow, such
                           as the main node of a rigid body; KJ_NONE: the node itself */

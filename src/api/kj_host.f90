@@ -19,7 +19,7 @@ module kj_host
    !> A joint as code describes it; what is not set keeps its default
    type :: joint_spec_t
       integer :: id = 0                          !! any number, for messages
-      integer :: type = 0                        !! 1 to 9, as /PROP/KJOINT has them
+      integer :: type = 0                        !! number in kj_joint_types, as on the card
       integer :: node(2) = 0                     !! host nodes at which end 1 and end 2 sit
       !> host nodes that take force and moment and whose rotation the ends follow, such as the main
       !> node of a rigid body; 0: the node itself
@@ -43,7 +43,7 @@ module kj_host
    !> What a joint does at the last call of joint_forces
    type :: joint_result_t
       integer :: id = 0
-      integer :: type = 0                        !! 1 to 9
+      integer :: type = 0                        !! number in kj_joint_types
       real(wp) :: force(NDOF) = 0.0_wp           !! force and moment on end 1, joint frame
       real(wp) :: displacement(NDOF) = 0.0_wp    !! of end 2 from end 1, joint frame; [rad]
       real(wp) :: frame(3, 3) = 0.0_wp           !! axes x y z of the joint frame, columns, W

@@ -5,7 +5,7 @@ module kj_host_check
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_math3, only: cross
-   use kj_joint_types, only: joint_types, find_joint_type, FRAME_CROSS
+   use kj_joint_types, only: joint_types, find_joint_type, known_types, FRAME_CROSS
    use kj_host, only: joint_spec_t, joint_set_t, host_vector
    implicit none
    private
@@ -26,7 +26,8 @@ contains
       joint = 'joint '//str(spec%id)//': '
       row = find_joint_type(spec%type)
       if (row == 0) then
-         call fail(error, ERR_INPUT, joint//'there is no type '//str(spec%type)//', only 1 to 9')
+         call fail(error, ERR_INPUT, joint//'there is no type '//str(spec%type)// &
+            ', only '//known_types())
          return
       end if
       if (any(spec%node < 1 .or. spec%node > set%n_host) .or. &

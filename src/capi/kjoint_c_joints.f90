@@ -4,6 +4,7 @@ module kjoint_c_joints
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_size_t, c_double, c_f_pointer, c_loc, &
       c_associated, c_null_ptr
    use kj_error, only: error_t, ERR_INPUT
+   use kj_joint_types, only: joint_types, find_joint_type, NDOF
    use kj_host, only: joint_spec_t
    use kjoint, only: new_joint_set, add_joint_curve, add_joint, start_joints, take_joints
    use kjoint_c_base, only: joints_box_t, model_box_t, find_joints, find_model, outcome, refuse, &
@@ -11,7 +12,7 @@ module kjoint_c_joints
    implicit none
    private
 
-   public :: kj_joint_spec_init, kj_joints_new, kj_joints_free, kj_joints_message, &
+   public :: kj_joint_type, kj_joint_spec_init, kj_joints_new, kj_joints_free, kj_joints_message, &
       kj_joints_curve, kj_joints_add, kj_joints_start, kj_joints_take
 
    !> kj_joint_spec; nodes and curves count from 0
@@ -22,6 +23,24 @@ module kjoint_c_joints
    end type c_joint_spec_t
 
 contains
+
+   !> See kjoint.h
+   integer(c_int) function kj_joint_type(type, name, size, free) bind(c) result(status)
+      integer(c_int), value :: type
+      type(c_ptr), value :: name
+      integer(c_size_t), value :: size
+      integer(c_int), intent(out) :: free(NDOF)
+
+      integer :: row
+
+      status = ERR_INPUT
+      free = 0
+      row = find_joint_type(int(type))
+      if (row == 0) return
+      free = int(joint_types(row)%free, c_int)
+      call put_text(trim(joint_types(row)%name), name, size)
+      status = OK
+   end function kj_joint_type
 
    !> See kjoint.h
    integer(c_int) function kj_joint_spec_init(spec) bind(c) result(status)

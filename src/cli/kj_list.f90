@@ -41,14 +41,15 @@ contains
       character(len=:), allocatable :: line, free
       integer :: i, dof
 
-      call print_line('type  name           free directions     blocked by Kn       frame')
+      call print_line( &
+         'type  name          nodes  free directions     blocked by Kn       frame')
       do i = 1, size(joint_types)
-         line = '  '//str(joint_types(i)%id)//'   '//joint_types(i)%name
+         line = column('  '//str(joint_types(i)%id), 6)//joint_types(i)%name
          free = ''
          do dof = 1, NDOF
             if (joint_types(i)%free(dof) == 1) free = free//' '//DOF_NAME(dof)
          end do
-         line = line//' '//column(free, 20)
+         line = line//'  '//str(joint_types(i)%n_axis_node)//'   '//column(free, 20)
          free = ''
          do dof = 1, NDOF
             if (joint_types(i)%free(dof) == 0) free = free//' '//DOF_NAME(dof)

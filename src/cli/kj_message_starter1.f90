@@ -114,7 +114,7 @@ module kj_message_starter1
       'card.', &
       'Name a /SKEW/MOV whose nodes belong to body 1.'), &
    message_t('KJ-0387', SEV_ERROR, 'the blocking stiffness is zero', &
-      'Joints of types 1 to 8 hold their blocked directions by the stiffness Kn.', &
+      'All joints but the free ones hold their blocked directions by the stiffness Kn.', &
       'Give Kn a positive value; the time step falls as its square root.'), &
    message_t('KJ-0388', SEV_ERROR, 'the critical damping ratio is out of range', &
       'Cr must lie between 0 and 1; 0 stands for 0.05.', &
@@ -136,9 +136,8 @@ module kj_message_starter1
       'The id in the header of /SPRING is that of a /PART, and there is no such part.', &
       'Define the part, or correct the id.'), &
    message_t('KJ-0409', SEV_ERROR, 'there is no such joint type', &
-      'The type of a /PROP/KJOINT is not 1 to 9.', &
-      '1 spherical, 2 revolute, 3 cylindrical, 4 planar, 5 universal, 6 translational, 7 '// &
-      'Oldham, 8 rigid, 9 free.'), &
+      'The type of a /PROP/KJOINT has no such number.', &
+      '`kjoint list joints` shows the types and their numbers.'), &
    message_t('KJ-0442', SEV_ERROR, 'two rigid bodies share a main node', &
       'A main node carries the motion of one body.', &
       'Give each body its own main node.'), &

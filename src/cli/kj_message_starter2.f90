@@ -85,16 +85,15 @@ module kj_message_starter2
       'Nodes of a joint of type 45 that should span its axes coincide or are on a line.', &
       'Choose other nodes.'), &
    message_t('KJ-0936', SEV_ERROR, 'the joint has too few nodes', &
-      'A joint of type 45 needs 2 nodes for types 1 and 8, 4 for types 5 and 9, else 3, '// &
-      'unless a skew gives the axes.', &
+      'A joint of type 45 needs the nodes that `kjoint list joints` tells, unless a skew '// &
+      'gives the axes.', &
       'Name more nodes in /SPRING, or a skew in the property.'), &
    message_t('KJ-0937', SEV_ERROR, 'the axes of a joint are degenerate', &
       'Nodes of a joint of type 45 that should span its axes coincide or are on a line.', &
       'Choose other nodes.'), &
    message_t('KJ-0938', SEV_ERROR, 'there is no such joint type', &
-      'The type of a /PROP/KJOINT2 is not 1 to 9.', &
-      '1 spherical, 2 revolute, 3 cylindrical, 4 planar, 5 universal, 6 translational, 7 '// &
-      'Oldham, 8 rigid, 9 free.'), &
+      'The type of a /PROP/KJOINT2 has no such number.', &
+      '`kjoint list joints` shows the types and their numbers.'), &
    message_t('KJ-0939', SEV_ERROR, 'a negative scale', &
       'The scale of the blocked rotations is below zero.', &
       'Write a positive value, or 0 for the default.'), &

@@ -2,7 +2,7 @@
 module kj_consistent_batch
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
-   use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS, FRAME_LINE
+   use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
    use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, &
       LAW_DAMPER, LAW_DAMPER_CURVE
    use kj_block, only: BLOCK
@@ -13,12 +13,6 @@ module kj_consistent_batch
       chart_of, matrix_of, frame_of, sprung_dofs, damped_dofs
 
    integer, parameter, public :: N_B = 30             !! numbers of the matrix B of a joint
-
-   !> Coordinates of the rotations
-   integer, parameter, public :: CHART_TWIST = 1      !! at most one free rotation
-   integer, parameter, public :: CHART_VECTOR = 2     !! three free rotations
-   integer, parameter, public :: CHART_UNIVERSAL = 3
-   integer, parameter, public :: CHART_LINE = 4       !! none: a spring along its line
 
    !> Constants, work units
    type :: consistent_batch_t
@@ -86,9 +80,7 @@ contains
    pure integer function chart_of(batch) result(chart)
       type(joint_batch_t), intent(in) :: batch
 
-      chart = CHART_TWIST
-      if (all(joint_types(batch%row)%free(4:6) == 1)) chart = CHART_VECTOR
-      if (batch%frame == FRAME_CROSS) chart = CHART_UNIVERSAL
+      chart = joint_types(batch%row)%chart
       if (batch%frame == FRAME_LINE) chart = CHART_LINE
    end function chart_of
 

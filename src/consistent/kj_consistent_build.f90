@@ -6,13 +6,13 @@ module kj_consistent_build
    use kj_wave, only: N_STEP
    use kj_lead_map, only: SPAN, N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
-   use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS
+   use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
       LAW_SPRING_CURVE
    use kj_model, only: model_t, load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_batch, only: consistent_batch_t, chart_of, new_consistent_joint, &
-      new_consistent_limits, CHART_UNIVERSAL, CHART_VECTOR
+      new_consistent_limits
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
    use kj_consistent_collect, only: collect_holds, at_rest, all_blocked

@@ -6,7 +6,8 @@ module kj_consistent_march
    use kj_model, only: model_t
    use kj_skew, only: axis_of
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE
-   use kj_consistent_batch, only: consistent_batch_t, CHART_VECTOR
+   use kj_joint_types, only: CHART_VECTOR
+   use kj_consistent_batch, only: consistent_batch_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_block, only: BLOCK
    use kj_consistent_chart, only: quaternion_frame

@@ -7,7 +7,8 @@ module kj_consistent_one_joint
    use kj_lapack, only: largest_eigenvalue
    use kj_joint_batch, only: LAW_SPRING_CURVE
    use kj_curve, only: curve_set_t
-   use kj_consistent_batch, only: consistent_batch_t, matrix_of, CHART_VECTOR, N_B
+   use kj_joint_types, only: CHART_VECTOR
+   use kj_consistent_batch, only: consistent_batch_t, matrix_of, N_B
    use kj_consistent_stop, only: limit_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_conditions, only: body_matrix

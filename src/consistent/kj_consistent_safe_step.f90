@@ -12,7 +12,8 @@ module kj_consistent_safe_step
    use kj_joint_batch, only: LAW_DAMPER_CURVE
    use kj_model, only: model_t
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_batch_t, matrix_of, CHART_VECTOR, CHART_LINE, N_B
+   use kj_joint_types, only: CHART_VECTOR, CHART_LINE
+   use kj_consistent_batch, only: consistent_batch_t, matrix_of, N_B
    use kj_consistent_compliance, only: end_inertias, compliance, eigenvalues_from_above
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias

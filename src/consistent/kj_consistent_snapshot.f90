@@ -6,7 +6,8 @@ module kj_consistent_snapshot
    use kj_skew, only: skew_axes
    use kj_legacy_state, only: legacy_state_t, OWNER_NONE, OWNER_JOINT
    use kj_joint_batch, only: joint_state_t
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, frame_of, CHART_UNIVERSAL
+   use kj_joint_types, only: CHART_UNIVERSAL
+   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, frame_of
    use kj_block, only: BLOCK, turn_frames
    use kj_consistent_chart, only: quaternion_frame
    use kj_consistent_matrix, only: joint_rates

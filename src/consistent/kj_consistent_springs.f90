@@ -4,11 +4,11 @@
 module kj_consistent_springs
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
-   use kj_joint_types, only: NDOF, FRAME_FIXED
+   use kj_joint_types, only: NDOF, FRAME_FIXED, CHART_TWIST, CHART_VECTOR, CHART_UNIVERSAL
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
    use kj_block, only: BLOCK, turn_arm
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, CHART_TWIST, &
-      CHART_VECTOR, CHART_UNIVERSAL, N_B, sprung_dofs, damped_dofs
+   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, N_B, sprung_dofs, &
+      damped_dofs
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_dampers, only: count_damping
    use kj_consistent_stop, only: add_limits

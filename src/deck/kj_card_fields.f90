@@ -47,7 +47,7 @@ contains
    !> Directions whose cards (times = DOFS) stand in a block
    pure subroutine list_free_dofs(keyword, joint_type, n, dof)
       integer, intent(in) :: keyword           !! KW_KJOINT2 or KW_SPRING8
-      integer, intent(in) :: joint_type        !! of KJOINT2; 0 directions when not in 1 to 9
+      integer, intent(in) :: joint_type        !! of KJOINT2; 0 directions when there is none
       integer, intent(out) :: n, dof(NDOF)     !! the first n are set: 1 tx, ..., 6 rz
 
       integer :: i, row

@@ -10,7 +10,7 @@ module kj_card_fields_joint
    !> /PROP/TYPE33 = /PROP/KJOINT; the variant is the joint type
    type(field_t), parameter, public :: joint_fields(*) = [ &
    !       keyword, variant, card, times, columns, name, kind, dimension, since, meaning
-   field_t(KW_KJOINT, EACH, 1,  ONCE,  1,  10, 'type',      'i', D_NUMBER,        0, 'joint type, 1 to 9'), &
+   field_t(KW_KJOINT, EACH, 1,  ONCE,  1,  10, 'type',      'i', D_NUMBER,        0, 'number of the joint type'), &
    field_t(KW_KJOINT, EACH, 1,  ONCE, 11,  20, 'skew_flag', 'i', D_NUMBER,        0, '0 mean frame, 1 frame of skew_1'), &
    field_t(KW_KJOINT, EACH, 2,  ONCE,  1,  10, 'skew_1',    'i', D_NUMBER,        0, 'moving skew on body 1'), &
    field_t(KW_KJOINT, EACH, 2,  ONCE, 11,  20, 'skew_2',    'i', D_NUMBER,        0, 'moving skew on body 2, 0 = none'), &
@@ -108,7 +108,7 @@ module kj_card_fields_joint
    !> /PROP/TYPE45 = /PROP/KJOINT2, springs and rigid bodies
    type(field_t), parameter, public :: property_fields(*) = [ &
    !       keyword, variant, card, times, columns, name, kind, dimension, since, meaning
-   field_t(KW_KJOINT2, EACH, 1,  ONCE,  1,  10, 'type',      'i', D_NUMBER,    0, 'joint type, 1 to 9'), &
+   field_t(KW_KJOINT2, EACH, 1,  ONCE,  1,  10, 'type',      'i', D_NUMBER,    0, 'number of the joint type'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 11,  30, 'Kn',        'r', D_STIFFNESS, 0, 'blocking stiffness, 0 = automatic'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 31,  50, 'SCF',       'r', D_NUMBER,    0, 'scale of the blocked rotations'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 51,  70, 'Cr',        'r', D_NUMBER,    0, 'critical damping ratio'), &

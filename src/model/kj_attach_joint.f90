@@ -4,7 +4,8 @@ module kj_attach_joint
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_math3, only: cross, unit, rotation, rotation_vector, IDENTITY
-   use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST
+   use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST, FRAME_CROSS, ANGLES_NONE, &
+      ANGLES_X
    use kj_deck_text, only: deck_t
    use kj_cards, only: rows_t, report_row
    use kj_draft, only: draft_t
@@ -16,7 +17,6 @@ module kj_attach_joint
    public :: match_skews, mean_frame, frame_of_skews, frame_of_nodes, angles_of_skews
 
    real(wp), parameter :: APART = 1.0e-10_wp   !! nodes nearer than this coincide, length
-   integer, parameter :: N_NODE(9) = [2, 3, 3, 3, 4, 3, 3, 2, 4]   !! that each joint type needs
 
 contains
 
@@ -122,16 +122,16 @@ contains
       type(finding_list_t), intent(inout) :: findings
 
       logical :: apart12, has_skew
-      integer :: type
+      integer :: needed
 
-      type = joint_types(p%row)%id
+      needed = joint_types(p%row)%n_axis_node
       apart12 = norm2(x(:, 2) - x(:, 1)) > APART
       has_skew = p%skew(1) > 0
-      if (.not. has_skew .and. merge(3, given, given == 2 .and. apart12) < N_NODE(type)) then
+      if (.not. has_skew .and. merge(3, given, given == 2 .and. apart12) < needed) then
          call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-0936', 'the '// &
-            trim(joint_types(p%row)%name)//' joint needs '//str(N_NODE(type))// &
+            trim(joint_types(p%row)%name)//' joint needs '//str(needed)// &
             ' nodes for its axes', 'expected: more nodes, or a skew in the property', findings)
-      else if (given == 2 .and. N_NODE(type) == 2 .and. .not. has_skew) then
+      else if (given == 2 .and. needed == 2 .and. .not. has_skew) then
          joint%frame = IDENTITY
       else if (given == 2 .and. .not. apart12) then
          joint%frame = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
@@ -143,7 +143,7 @@ contains
          joint%frame = frame_about(unit(x(:, given) - x(:, 1)))
       else
          call frame_of_plane(deck, block, rows, i, x(:, 3) - x(:, 1), x(:, 4) - x(:, 1), &
-            type == 5, joint, findings)
+            joint_types(p%row)%frame == FRAME_CROSS, joint, findings)
       end if
    end subroutine frame_of_nodes
 
@@ -198,7 +198,7 @@ contains
 
    !> Angles that a KJOINT2 starts with: the second skew against the first.
    !>
-   !> Types 2, 3 and 4 turn about x alone, so the x axes of both skews are put on that of the joint.
+   !> Where the joint turns about x alone, the x axes of both skews are put on that of the joint.
    subroutine angles_of_skews(deck, block, rows, i, draft, p, joint, findings)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: block, i
@@ -213,14 +213,14 @@ contains
 
       joint%angle = 0.0_wp
       if (any(p%skew == 0)) return
-      if (joint_types(p%row)%id >= 5 .and. joint_types(p%row)%id <= 8) return
+      if (joint_types(p%row)%angles == ANGLES_NONE) return
       if (draft%skews%id(p%skew(2)) <= 2) call report_row(deck, block, rows, i, 'id', SEV_WARNING, &
          'KJ-9129', 'skew_2 of the joint has the id '//str(draft%skews%id(p%skew(2)))// &
          ': OpenRadioss starts with undefined angles', 'joint with this skew', findings, &
          hint='give the skew an id above 2')
       u = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
       v = reshape(draft%skews%axes(p%skew(2), :), [3, 3])
-      if (joint_types(p%row)%id >= 2 .and. joint_types(p%row)%id <= 4) then
+      if (joint_types(p%row)%angles == ANGLES_X) then
          cosine = min(abs(dot_product(u(:, 1), joint%frame(:, 1))), abs(dot_product(v(:, 1), &
             joint%frame(:, 1))))
          if (cosine < 0.98_wp) then

@@ -2,8 +2,8 @@
 module kj_build_property
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
-   use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME, FRAME_MEAN, &
-      FRAME_FIRST, FRAME_CROSS
+   use kj_joint_types, only: joint_types, find_joint_type, known_types, NDOF, DOF_NAME, &
+      FRAME_MEAN, FRAME_FIRST, FRAME_CROSS
    use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, real_of, int_of, report
    use kj_draft, only: draft_t, reference
@@ -28,7 +28,7 @@ contains
       p%row = find_joint_type(int_of(cards, 'type'))
       if (p%row == 0) then
          call report(deck, cards, 'type', SEV_ERROR, 'KJ-0409', 'there is no joint type '// &
-            str(int_of(cards, 'type')), 'expected: 1 to 9', findings)
+            str(int_of(cards, 'type')), 'expected: '//known_types(), findings)
          return
       end if
       if (int_of(cards, 'skew_1') <= 0) call report(deck, cards, 'skew_1', SEV_ERROR, 'KJ-0386', &

@@ -5,7 +5,7 @@ module kj_build_property2
    use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
    use kj_units, only: dimensions, D_LENGTH, D_FORCE, D_STIFFNESS, D_DAMPING, D_MOMENT, &
       D_ROT_STIFFNESS, D_ROT_DAMPING
-   use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME
+   use kj_joint_types, only: joint_types, find_joint_type, known_types, NDOF, DOF_NAME
    use kj_joint_batch, only: KJOINT2, has_friction
    use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, real_of, int_of, report
@@ -37,7 +37,7 @@ contains
       p%row = find_joint_type(int_of(cards, 'type'))
       if (p%row == 0) then
          call report(deck, cards, 'type', SEV_ERROR, 'KJ-0938', 'there is no joint type '// &
-            str(int_of(cards, 'type')), 'expected: 1 to 9', findings)
+            str(int_of(cards, 'type')), 'expected: '//known_types(), findings)
          return
       end if
       p%frame = joint_types(p%row)%frame

@@ -8,7 +8,7 @@ module kj_build_spring
    use kj_units, only: dimensions, D_LENGTH, D_NUMBER, D_FORCE, D_MOMENT, D_VELOCITY, &
       D_ANGULAR_VELOCITY
    use kj_curve, only: add_curve
-   use kj_joint_types, only: joint_types, find_joint_type, NDOF, DOF_NAME, FRAME_FIXED, FRAME_LINE
+   use kj_joint_types, only: ROW_FREE, NDOF, DOF_NAME, FRAME_FIXED, FRAME_LINE
    use kj_joint_batch, only: SPRING4, SPRING8
    use kj_keywords, only: KW_SPRING4, KW_SPRING8
    use kj_deck_text, only: deck_t, block_factors
@@ -21,7 +21,6 @@ module kj_build_spring
 
    public :: build_spring_properties
 
-   integer, parameter :: FREE_TYPE = 9           !! number of the joint type with six free dofs
    real(wp), parameter :: NO_FAILURE = 1.0e29_wp !! a limit beyond it is none
 
 contains
@@ -42,7 +41,7 @@ contains
       do i = 1, size(blocks)
          call read_cards(deck, blocks(i), cards, findings)
          property(i)%id = deck%block(blocks(i))%id
-         property(i)%row = find_joint_type(FREE_TYPE)
+         property(i)%row = ROW_FREE
          if (deck%block(blocks(i))%keyword == KW_SPRING4) then
             call read_spring4(deck, cards, draft, property(i), findings)
          else

@@ -76,7 +76,8 @@ def _declare(library):
     p, numbers = ct.c_void_p, _Numbers
     text = [TEXT, ct.c_size_t]
     calls = {
-        "kj_version": text, "kj_joint_spec_init": [p], "kj_options_init": [p],
+        "kj_version": text, "kj_joint_type": [INT] + text + [p], "kj_joint_spec_init": [p],
+        "kj_options_init": [p],
         "kj_joints_new": [TEXT, INT, p] + text, "kj_joints_message": [p] + text,
         "kj_joints_curve": [p, INT, numbers, numbers, p], "kj_joints_add": [p, p],
         "kj_joints_start": [p, INT] + [numbers] * 4,

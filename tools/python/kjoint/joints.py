@@ -5,12 +5,21 @@ import numpy as np
 
 from ._library import INT, LIB, REAL, Handle, Result, Spec
 
-TYPES = {name: number for number, name in enumerate(
-    "spherical revolute cylindrical planar universal translational oldham fixed free".split(), 1)}
+
+def _joint_types():
+    """Numbers of the joint types by name, and their free directions by number."""
+    name, free, numbers, free_dofs = ct.create_string_buffer(40), (INT * 6)(), {}, {}
+    while LIB.kj_joint_type(len(numbers) + 1, name, len(name), free) == 0:
+        numbers[name.value.decode()] = number = len(numbers) + 1
+        free_dofs[number] = tuple(free)
+    return numbers, free_dofs
+
+
+TYPES, FREE = _joint_types()
 
 
 def type_number(kind):
-    """1 to 9 from a number or a name."""
+    """Number of a joint type from its number or name."""
     return TYPES[kind] if isinstance(kind, str) else int(kind)
 
 

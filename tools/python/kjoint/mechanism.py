@@ -4,11 +4,9 @@ import tempfile
 
 import numpy as np
 
-from .joints import TYPES, type_number
+from .joints import FREE, TYPES, type_number
 from .model import Model
 
-FREE = {1: "000111", 2: "000100", 3: "100100", 4: "011100", 5: "000011", 6: "100000", 7: "011000",
-        8: "000000", 9: "111111"}                 # free directions of the types
 DOFS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
@@ -55,11 +53,11 @@ class Mechanism:
         if axis_2 is None:
             axis_2 = np.eye(3)[np.argmin(abs(axis))]
         axis_2 = np.asarray(axis_2, dtype=float)
-        if number != 5:
+        if number != TYPES["universal"]:
             axis_2 = axis_2 - axis*(axis @ axis_2)
         for laws in (k, c, stops, friction):
             for dof in laws or {}:
-                if FREE[number][DOFS.index(dof)] == "0":
+                if not FREE[number][DOFS.index(dof)]:
                     raise ValueError(f"{dof} is not free in joint type {number}")
         self._joints.append(dict(type=number, bodies=(body_1, body_2), at=np.asarray(at, float),
                                  axes=(axis, axis_2/np.linalg.norm(axis_2)), kn=kn, cr=cr,
@@ -101,7 +99,7 @@ class Mechanism:
         cards = [f"/PROP/KJOINT2/{number}", joint["name"], _ints(joint["type"])
                  + _reals(joint["kn"], 0.0, joint["cr"]) + _ints(0, 0, 0)]
         for dof, free in zip(DOFS, FREE[joint["type"]]):
-            if free == "1":
+            if free:
                 low, high = joint["stops"].get(dof, (0.0, 0.0))
                 limit, stiffness = joint["friction"].get(dof, (0.0, 0.0))
                 cards += [_reals(joint["k"].get(dof, 0.0)) + _ints(0) + _reals(low, high)
