@@ -219,7 +219,7 @@ contains
          peak(5)*peak(1)])
       where (peak > 0.0_wp)
          error = error/peak
-      elsewhere
+      else where
          error = 0.0_wp
       end where
    end function class_errors

@@ -1,4 +1,5 @@
-!> The version of kjoint, once. CMakeLists.txt names the same one.
+!> The version of kjoint. CMakeLists.txt reads it here; fpm.toml and CITATION.cff repeat it, and a
+!> test compares them.
 module kj_version
    implicit none
    private

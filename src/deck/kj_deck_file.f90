@@ -54,6 +54,7 @@ contains
          if (stat /= 0) text = ''
       end if
       close (unit, iostat=stat)
+      if (stat /= 0) problem = 'cannot be closed'
    end subroutine read_file
 
    !> Find the end of the line that begins at byte `first`

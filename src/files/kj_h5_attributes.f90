@@ -115,7 +115,7 @@ contains
 
       integer(hid_t) :: stored, space
       integer(hsize_t) :: n
-      integer :: class, ignored, i
+      integer :: type_class, ignored, i
       logical :: variable_length
       character(len=24) :: number
       type(text_t), allocatable :: texts(:)
@@ -124,12 +124,12 @@ contains
 
       text = ''
       n = 0
-      class = -1
+      type_class = -1
       space = -1
       variable_length = .false.
       call h5aget_type_f(attribute, stored, status)
       if (status < 0) stored = -1
-      if (status >= 0) call h5tget_class_f(stored, class, status)
+      if (status >= 0) call h5tget_class_f(stored, type_class, status)
       if (status >= 0) call h5tis_variable_str_f(stored, variable_length, status)
       if (status >= 0) call h5aget_space_f(attribute, space, status)
       if (status >= 0) call h5sget_simple_extent_npoints_f(space, n, status)
@@ -139,13 +139,13 @@ contains
             if (i > 1) text = text//' '
             text = text//texts(i)%s
          end do
-      else if (status >= 0 .and. (class == H5T_INTEGER_F .or. class == H5T_FLOAT_F)) then
+      else if (status >= 0 .and. (type_class == H5T_INTEGER_F .or. type_class == H5T_FLOAT_F)) then
          allocate (values(n))
          address = c_loc(values)
          if (n > 0) call h5aread_f(attribute, H5T_NATIVE_DOUBLE, address, status)
          do i = 1, size(values)
             if (status < 0) exit
-            if (class == H5T_INTEGER_F) then
+            if (type_class == H5T_INTEGER_F) then
                write (number, '(i0)') nint(values(i), int64)
             else
                write (number, '(es14.6)') values(i)

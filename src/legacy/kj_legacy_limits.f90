@@ -146,15 +146,15 @@ contains
       logical, intent(inout) :: acts(n)
 
       real(wp) :: over(BLOCK), direction(BLOCK)
-      logical :: close(BLOCK), slides(BLOCK), rubs(BLOCK), locked(BLOCK)
+      logical :: nearby(BLOCK), slides(BLOCK), rubs(BLOCK), locked(BLOCK)
       integer :: to, s
 
       to = from + n - 1
       s = merge(1, 2, dof <= 3)
       associate (l => batch%limit, k_block => state%k_block(from:to, s))
-         call plain_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), over, direction, close)
+         call plain_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), over, direction, nearby)
          call combined_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), &
-            l%combined(from:to, dof), reach, over, direction, close)
+            l%combined(from:to, dof), reach, over, direction, nearby)
          rubs(:n) = has_friction(l%k(from:to, dof), l%slip(from:to, dof), &
             l%slip_curve(from:to, dof))
          call add_friction(n, curves, l%slip_curve(from:to, dof), l%k(from:to, dof), &
@@ -162,7 +162,7 @@ contains
             state%friction(from:to, dof), f, k_eff, k_top, state%slip_energy(from:to), slides, acts)
          where (rubs(:n)) state%stored(from:to) = state%stored(from:to) + &
             0.5_wp*state%friction(from:to, dof)**2/l%k(from:to, dof)
-         call add_stop(n, rubs, l%k(from:to, dof), k_block, over, direction, close, f, k_eff, &
+         call add_stop(n, rubs, l%k(from:to, dof), k_block, over, direction, nearby, f, k_eff, &
             k_top, state%stored(from:to), acts)
          locked(:n) = state%locked(from:to) .and. time <= l%t_free(from:to)
          call add_lock(n, locked, k_block, q, state%q_lock(from:to, dof), f, k_eff, k_top, &

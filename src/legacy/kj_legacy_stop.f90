@@ -22,22 +22,22 @@ contains
    !> over = max(0, q - hi) for q, hi > 0;  min(0, q - lo) for q, lo < 0
    !>
    !> Legacy quirk, kept on purpose: only the upper stop is seen from near.
-   pure subroutine plain_overlap(n, q, lo, hi, over, direction, close)
+   pure subroutine plain_overlap(n, q, lo, hi, over, direction, nearby)
       integer, intent(in) :: n
       real(wp), intent(in) :: q(n), lo(n), hi(n)
       real(wp), intent(out) :: over(n)          !! signed
       real(wp), intent(out) :: direction(n)     !! of the stop force: 1
-      logical, intent(out) :: close(n)          !! within a thousandth of the upper stop
+      logical, intent(out) :: nearby(n)         !! within a thousandth of the upper stop
 
       integer :: i
 
       do i = 1, n
          over(i) = 0.0_wp
          direction(i) = 1.0_wp
-         close(i) = .false.
+         nearby(i) = .false.
          if (hi(i) > 0.0_wp) then
             if (q(i) > 0.0_wp) over(i) = max(0.0_wp, q(i) - hi(i))
-            close(i) = abs((q(i) - hi(i))/hi(i)) < NEAR
+            nearby(i) = abs((q(i) - hi(i))/hi(i)) < NEAR
          end if
          if (lo(i) < 0.0_wp .and. q(i) < 0.0_wp) over(i) = min(0.0_wp, q(i) - lo(i))
       end do
@@ -47,13 +47,13 @@ contains
    !>
    !> c = (lo + hi)/2, rho = (hi - lo)/2, reach^2 = sum (q - c)^2 over the combined dofs;
    !> over = max(0, reach - rho) along (q - c)/reach
-   pure subroutine combined_overlap(n, q, lo, hi, combined, reach, over, direction, close)
+   pure subroutine combined_overlap(n, q, lo, hi, combined, reach, over, direction, nearby)
       integer, intent(in) :: n
       real(wp), intent(in) :: q(n), lo(n), hi(n)
       real(wp), intent(in) :: combined(n)       !! 1 or 0
       real(wp), intent(in) :: reach(n)
       real(wp), intent(inout) :: over(n), direction(n)
-      logical, intent(inout) :: close(n)
+      logical, intent(inout) :: nearby(n)
 
       real(wp) :: rho
       integer :: i
@@ -64,8 +64,8 @@ contains
          over(i) = max(0.0_wp, reach(i) - rho)
          direction(i) = 0.0_wp
          if (reach(i) > 0.0_wp) direction(i) = (q(i) - 0.5_wp*(lo(i) + hi(i)))/reach(i)
-         close(i) = .false.
-         if (rho > 0.0_wp) close(i) = abs((reach(i) - rho)/rho) < NEAR
+         nearby(i) = .false.
+         if (rho > 0.0_wp) nearby(i) = abs((reach(i) - rho)/rho) < NEAR
       end do
    end subroutine combined_overlap
 
@@ -127,14 +127,14 @@ contains
    !> Stop of dofs without friction: f += k over along its direction.
    !>
    !> Just before the stop its stiffness already counts, without force.
-   pure subroutine add_stop(n, rubs, k, k_block, over, direction, close, f, k_eff, k_top, stored, &
+   pure subroutine add_stop(n, rubs, k, k_block, over, direction, nearby, f, k_eff, k_top, stored, &
       acts)
       integer, intent(in) :: n
       logical, intent(in) :: rubs(n)            !! has friction: no stop of its own
       real(wp), intent(in) :: k(n)              !! stiffness of the stop, 0 = k_block
       real(wp), intent(in) :: k_block(n)        !! stiffness of the blocked dofs
       real(wp), intent(in) :: over(n), direction(n)
-      logical, intent(in) :: close(n)
+      logical, intent(in) :: nearby(n)
       real(wp), intent(inout) :: f(n), k_eff(n), k_top(n)
       real(wp), intent(inout) :: stored(n)      !! elastic energy
       logical, intent(inout) :: acts(n)
@@ -143,7 +143,7 @@ contains
       integer :: i
 
       do i = 1, n
-         if (rubs(i) .or. .not. (close(i) .or. abs(over(i)) > 0.0_wp)) cycle
+         if (rubs(i) .or. .not. (nearby(i) .or. abs(over(i)) > 0.0_wp)) cycle
          ks = k(i)
          if (.not. ks > TINY_VALUE) ks = k_block(i)
          push = ks*over(i)*direction(i)

@@ -3,6 +3,7 @@
 pFUnit or the project does not allow."""
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -46,17 +47,17 @@ end module kj_kinds
 
 
 class Style(unittest.TestCase):
-    def check(self, text, layer="base", name="kj_thing", listed=True, kinds=KINDS):
+    def check(self, text, folder="base", name="kj_thing", listed=True, kinds=KINDS):
         """Findings in a tree with this one module besides kj_kinds, without the file name."""
-        with tempfile.TemporaryDirectory() as folder:
-            root = pathlib.Path(folder)
-            for path, content in ((f"src/{layer}/{name}.f90", text),
+        with tempfile.TemporaryDirectory() as tree:
+            root = pathlib.Path(tree)
+            for path, content in ((f"src/{folder}/{name}.f90", text),
                                   ("src/base/kj_kinds.f90", kinds)):
                 (root / path).parent.mkdir(parents=True, exist_ok=True)
                 (root / path).write_text(content)
             (root / "tests" / "unit").mkdir(parents=True)
             (root / "tests" / "CMakeLists.txt").write_text("")
-            files = f"src/base/kj_kinds.f90 {f'src/{layer}/{name}.f90' if listed else ''}"
+            files = f"src/base/kj_kinds.f90 {f'src/{folder}/{name}.f90' if listed else ''}"
             (root / "CMakeLists.txt").write_text(files)
             tool = SOURCE / "tools" / "check_style.py"
             done = subprocess.run([sys.executable, tool, root], capture_output=True, text=True,
@@ -76,6 +77,8 @@ class Style(unittest.TestCase):
     def test_lines_and_files_have_a_length(self):
         self.finds("101 columns", GOOD.replace("!> A thing", "!> A thing".ljust(98, "x")))
         self.finds("more than 600", GOOD + "!\n" * 600)
+        self.finds("more than 400 without", GOOD + "!\n" * 400)
+        self.assertEqual([], self.check("!> One file: the laws share their terms.\n" + GOOD + "!\n" * 400))
         self.finds("trailing blank", GOOD.replace("contains", "contains "))
         self.finds("tab", GOOD.replace("2*x", "2*\tx"))
 
@@ -92,19 +95,29 @@ class Style(unittest.TestCase):
     def test_every_source_is_built(self):
         self.finds("not in CMakeLists.txt", GOOD, listed=False)
 
-    def test_use_names_what_it_takes_from_layers_below(self):
+    def test_use_names_what_it_takes_from_its_folder_or_one_before(self):
         self.finds("without only", GOOD.replace(", only: wp", ""))
         self.finds("hdf5 outside", GOOD.replace("   implicit", "   use hdf5, only: a\n   implicit"))
         kinds = KINDS.replace("   implicit", "   use kj_thing, only: double\n   implicit")
-        found = self.check(GOOD, layer="deck", kinds=kinds)
-        self.assertEqual(["3: base uses kj_thing of the later layer deck"], found)
+        alone = GOOD.replace("   use kj_kinds, only: wp\n", "")
+        for folder in ("joint", "deck", "model", "schedule", "legacy", "consistent", "history",
+                       "files", "api", "capi", "cli"):
+            self.assertEqual([], self.check(GOOD, folder=folder))
+            self.assertEqual([f"3: base uses kj_thing of the later folder {folder}"],
+                             self.check(alone, folder=folder, kinds=kinds))
+        self.finds("without a place in the order", GOOD, folder="attic")
+
+    def test_modules_that_use_each_other_are_a_circle(self):
+        kinds = KINDS.replace("   implicit", "   use kj_thing, only: double\n   implicit")
+        self.assertEqual(["3: a circle by the use of kj_thing", "3: a circle by the use of kj_kinds"],
+                         self.check(GOOD, kinds=kinds))
 
     def test_the_library_is_silent(self):
         for line in ("print *, x", "write (*, *) x", "stop 1", "error stop", "if (x > 0) stop",
                      "write (error_unit, '(a)') 'x'"):
             text = GOOD.replace("      double = ", f"      {line}\n      double = ")
             self.finds("does not print", text)
-            self.assertEqual([], self.check(text, layer="cli"))
+            self.assertEqual([], self.check(text, folder="cli"))
         self.finds("environment", GOOD.replace(
             "      double = ", "      call get_environment_variable(x)\n      double = "))
 
@@ -141,6 +154,15 @@ class Translator(unittest.TestCase):
                 ("@test\n", "", "no test"),
                 ("module test_a", "module test_b", "name of the file")):
             self.assertIn(message, self.translate(good.replace(old, new, 1)))
+
+
+class Version(unittest.TestCase):
+    def test_all_files_name_the_version_of_kj_version(self):
+        found = [re.search(pattern, (SOURCE / path).read_text(), re.M).group(1) for path, pattern in (
+            ("src/base/kj_version.f90", r"KJOINT_VERSION = '(.*)'"),
+            ("fpm.toml", r'^version = "(.*)"'),
+            ("CITATION.cff", r"^version: (.*)"))]
+        self.assertEqual(1, len(set(found)), found)
 
 
 if __name__ == "__main__":
