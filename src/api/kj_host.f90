@@ -72,9 +72,8 @@ module kj_host
       real(wp), allocatable :: quat_own(:, :)    !! (n_lead, 4) principal axes in axes of the host
       real(wp) :: h_last = 0.0_wp                !! step of the last call
       logical, allocatable :: warned(:)          !! (n_joint) of orthogonality
-      type(model_t) :: model
+      type(consistent_model_t) :: model
       type(legacy_state_t) :: state                     !! legacy
-      type(consistent_model_t) :: c                       !! consistent
       type(consistent_state_t) :: cs
       type(bound_t) :: bound
    end type joint_set_t

@@ -206,7 +206,7 @@ contains
       real(wp) :: own(3)
       integer :: i
 
-      associate (m => set%model, n => set%model%n_lead)
+      associate (m => set%model%model_t, n => set%model%n_lead)
          allocate (m%x0(m%n_node, 3), m%v0(m%n_node, 3), m%w0(n, 3), m%mass(n), m%inertia(n), &
             m%principal(n, 3), m%axes(n, 9), source=0.0_wp)
          allocate (m%n_secondary(n), source=0)

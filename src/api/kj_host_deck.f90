@@ -33,9 +33,9 @@ contains
             ' values, expected: '//str(set%n_host))
          return
       end if
-      set%model = model
-      call strip_loads(set%model)
-      call find_needed(set%model, set%legacy, needed)
+      set%model%model_t = model
+      call strip_loads(set%model%model_t)
+      call find_needed(set%model%model_t, set%legacy, needed)
       call map_nodes(set, node_id, needed, error)
       if (allocated(error)) return
       do i = 1, size(model%batch)

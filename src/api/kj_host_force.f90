@@ -90,7 +90,7 @@ contains
          do i = 1, set%model%n_lead
             if (set%host(i) > 0) s%world%w(i, :) = host_vector(set, omega, set%host(i))
          end do
-         call find_joint_forces(set%model, s, .true.)
+         call find_joint_forces(set%model%model_t, s, .true.)
       end associate
    end subroutine legacy_forces
 
@@ -106,7 +106,7 @@ contains
 
       never = .false.
       none = 0.0_wp
-      associate (s => set%cs, c => set%c)
+      associate (s => set%cs, model => set%model)
          do i = 1, set%model%n_lead
             if (set%host(i) == 0) cycle
             s%v(i, :) = host_vector(set, v, set%host(i))
@@ -124,14 +124,14 @@ contains
             s%poses%quat(i, :) = turned(host_quaternion(set, attitude, set%host(i)), &
                set%quat_own(i, :))
             p = body_matrix(s, i)
-            s%l(i, :) = matmul(p, c%i(i, :)*matmul(s%poses%w(i, :), p))
+            s%l(i, :) = matmul(p, model%spin_inertia(i, :)*matmul(s%poses%w(i, :), p))
          end do
          do i = 1, size(s%node, 1)
             if (set%host(i) > 0) s%node(i, :) = host_vector(set, x, set%host(i))
          end do
          s%time = time
          s%h = h
-         call find_forces(set%model, c, h, none, never, s)
+         call find_forces(model, h, none, never, s)
       end associate
    end subroutine consistent_forces
 
@@ -193,7 +193,7 @@ contains
          r = set%state%kr
       else
          allocate (k(set%model%n_lead), r(set%model%n_lead))
-         call nodal_stiffness(set%model, set%c, set%cs, k, r)
+         call nodal_stiffness(set%model, set%cs, k, r)
       end if
    end subroutine carrier_stiffness
 
@@ -222,7 +222,7 @@ contains
             end do
          end associate
       else
-         if (has_moved(set%c, set%cs, set%bound)) call renew_bound(set%c, set%cs, set%bound)
+         if (has_moved(set%model, set%cs, set%bound)) call renew_bound(set%model, set%cs, set%bound)
          h = set%bound%h
       end if
    end subroutine critical_step
@@ -263,7 +263,7 @@ contains
                result%force = s%fe(i, :) + s%fd(i, :)
                if (allocated(s%friction)) result%force = result%force + s%friction(i, :)
                result%displacement = s%q(i, :)
-               result%frame = reshape(frame_of(set%c%batch(ref%batch), s, i), [3, 3])
+               result%frame = reshape(frame_of(set%model%geometry(ref%batch), s, i), [3, 3])
                result%energy = s%elastic(i) + s%dissipated(i)
                result%dissipated = s%dissipated(i)
             end associate
@@ -311,7 +311,7 @@ contains
             if (set%legacy) then
                e = set%state%joint(ref%batch)%e(ref%place, :)
             else
-               e = frame_of(set%c%batch(ref%batch), set%cs%joint(ref%batch), ref%place)
+               e = frame_of(set%model%geometry(ref%batch), set%cs%joint(ref%batch), ref%place)
             end if
             cosine = dot_product(e(4:6), e(7:9))
             loss = abs(asin(max(-1.0_wp, min(1.0_wp, cosine))))
@@ -327,7 +327,7 @@ contains
                then = reshape(skew_axes(1, x0(n(1), :), x0(n(2), :), x0(n(3), :)), [3, 3])
             end associate
             p = matmul(body_matrix(set%cs, lead), &
-               transpose(reshape(set%c%axes0(lead, :), [3, 3])))
+               transpose(reshape(set%model%axes0(lead, :), [3, 3])))
             loss = max(loss, norm2(rotation_vector(matmul(transpose(matmul(p, then)), now))))
          end do
       end associate

@@ -32,7 +32,7 @@ contains
       integer :: j, n, s
 
       call set_skews(set)
-      associate (m => set%model)
+      associate (m => set%model%model_t)
          m%n_joint = set%n_spec
          m%n_element = m%n_joint
          allocate (m%joint(m%n_joint), joint(m%n_joint), property(1))
@@ -88,7 +88,7 @@ contains
          call fail(error, ERR_INPUT, 'joint '//str(spec%id)//': both carriers have mass 0')
          return
       end if
-      call set_constants(set%model, property, joint)
+      call set_constants(set%model%model_t, property, joint)
    end subroutine set_joint
 
    !> Both joints have the same type and laws

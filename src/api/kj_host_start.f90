@@ -27,7 +27,7 @@ contains
 
       call begin_shear(set)
       if (set%legacy) then
-         call new_legacy_state(set%model, set%state)
+         call new_legacy_state(set%model%model_t, set%state)
          call drop_legacy(set)
       else
          call begin_consistent(set, error, attitude)
@@ -47,27 +47,27 @@ contains
 
       associate (n => set%model%n_lead)
          if (any(set%model%batch%limited)) then
-            call start_scene(set%model, .false., set%c, set%cs, error)
+            call start_scene(set%model, .false., set%cs, error)
             if (allocated(error)) return
          else
-            call build_consistent_model(set%model, set%c)
+            call build_consistent_model(set%model)
             call drop_constants(set)
-            call new_consistent_state(set%model, set%c, set%cs, lean=.not. reads_nodes(set))
+            call new_consistent_state(set%model, set%cs, lean=.not. reads_nodes(set))
          end if
          deallocate (set%model%v0, set%model%w0, set%cs%impulse, set%cs%angular_impulse, &
             set%cs%turn)
          if (.not. reads_nodes(set)) then
-            deallocate (set%c%axes0, set%cs%node)
+            deallocate (set%model%axes0, set%cs%node)
             allocate (set%cs%node(0, 3))
          end if
-         call move_alloc(set%c%quat0, set%quat_own)
+         call move_alloc(set%model%quat0, set%quat_own)
          if (present(attitude)) then
             do i = 1, n
                if (set%host(i) > 0) set%quat_own(i, :) = &
                   seen_from(host_quaternion(set, attitude, set%host(i)), set%quat_own(i, :))
             end do
          end if
-         call new_bound(set%model, set%c, .false., set%cs, set%bound)
+         call new_bound(set%model, .false., set%cs, set%bound)
          allocate (set%cs%f_ahead(n, 3), set%cs%t_ahead(n, 3), source=0.0_wp)
       end associate
    end subroutine begin_consistent
@@ -98,7 +98,7 @@ contains
 
       integer :: b
 
-      associate (s => set%state, m => set%model)
+      associate (s => set%state, m => set%model%model_t)
          deallocate (s%d, s%v, s%a, s%al, s%impulse, s%angular_impulse, s%rotation_sum, s%p, &
             s%principal, s%crew%first, s%crew%node, s%crew%kept, s%crew%few, m%v0, m%w0, m%axes, &
             m%principal, m%node_id, m%body_id, m%n_secondary)
@@ -112,7 +112,7 @@ contains
    pure logical function reads_nodes(set)
       type(joint_set_t), intent(in) :: set
 
-      reads_nodes = size(set%shear_of) > 0 .or. size(set%c%placed) > 0
+      reads_nodes = size(set%shear_of) > 0 .or. size(set%model%placed) > 0
    end function reads_nodes
 
    !> What the constants of the consistent formulation stand for now
@@ -121,7 +121,7 @@ contains
 
       integer :: b
 
-      associate (m => set%model)
+      associate (m => set%model%model_t)
          do b = 1, size(m%batch)
             deallocate (m%batch(b)%node, m%batch(b)%lead, m%batch(b)%skew, m%batch(b)%xl0, &
                m%batch(b)%frame0, m%batch(b)%k, m%batch(b)%c, m%batch(b)%k_curve, &
@@ -131,7 +131,7 @@ contains
          if (reads_nodes(set)) return
          m%x0 = m%x0(:m%n_lead, :)
          m%v0 = m%v0(:m%n_lead, :)
-         deallocate (set%c%arm)
+         deallocate (set%model%arm)
       end associate
    end subroutine drop_constants
 

@@ -92,10 +92,9 @@ module kjoint
    type :: simulation_t
       private
       type(run_options_t) :: options
-      type(model_t) :: model
+      type(consistent_model_t) :: model         !! legacy reads that of all, model_t
       type(legacy_state_t) :: state   !! legacy: the state; consistent: what samples read
       logical :: legacy = .false.
-      type(consistent_model_t) :: c_model                !! consistent formulation
       type(consistent_state_t) :: c_state
       type(march_t) :: march
       integer :: n_island = 0                   !! of a run by islands

@@ -34,7 +34,7 @@ contains
       real(wp) :: more(3), turn(3), before
 
       associate (s => sim%c_state)
-         call balance_ledger(sim%model, sim%c_model, s)
+         call balance_ledger(sim%model, s)
          before = s%error*s%scale
          more = force - s%f_host(b, :)
          turn = moment - s%t_host(b, :)
@@ -46,7 +46,7 @@ contains
          s%t_host(b, :) = moment
          s%f_host_old(b, :) = force
          s%t_host_old(b, :) = moment
-         call balance_ledger(sim%model, sim%c_model, s)
+         call balance_ledger(sim%model, s)
          s%offset = s%offset - (s%error*s%scale - before)
       end associate
       call renew_published(sim)
@@ -80,7 +80,7 @@ contains
       else
          p = reshape(columns(sim%c_state%poses%quat(b, :)), [3, 3])
          sim%c_state%v(b, :) = velocity
-         sim%c_state%l(b, :) = matmul(p, sim%c_model%i(b, :)*matmul(omega, p))
+         sim%c_state%l(b, :) = matmul(p, sim%model%spin_inertia(b, :)*matmul(omega, p))
          call start_anew(sim)
       end if
    end procedure set_body_velocity
@@ -100,7 +100,7 @@ contains
          associate (p => sim%c_state%poses)
             p%d(b, :) = position - sim%model%x0(b, :)
             p%x(b, :) = position
-            p%quat(b, :) = turned(attitude, sim%c_model%quat0(b, :))
+            p%quat(b, :) = turned(attitude, sim%model%quat0(b, :))
          end associate
          call start_anew(sim)
       end if
@@ -127,13 +127,13 @@ contains
          end associate
          sim%state%joint(ref%batch)%locked(ref%place) = .false.
          if (sim%legacy) return
-         associate (limit => sim%c_model%batch(ref%batch)%limit)
+         associate (limit => sim%model%geometry(ref%batch)%limit)
             limit%t_lock(ref%place) = t_lock
             limit%t_free(ref%place) = t_free
          end associate
          sim%c_state%joint(ref%batch)%locked(ref%place) = .false.
       end associate
-      call start_march(sim%model, sim%c_model, sim%c_state, sim%march)
+      call start_march(sim%model, sim%c_state, sim%march)
    end procedure lock_joint
 
    subroutine check_values(values, error)
@@ -150,14 +150,14 @@ contains
       real(wp) :: before, scale
 
       associate (s => sim%c_state)
-         call balance_ledger(sim%model, sim%c_model, s)
+         call balance_ledger(sim%model, s)
          before = s%error*s%scale
          s%poses%psi = 0.0_wp
-         call settle(sim%model, sim%c_model, s)
-         call balance_ledger(sim%model, sim%c_model, s)
+         call settle(sim%model, s)
+         call balance_ledger(sim%model, s)
          scale = s%scale
          s%work = s%work + s%error*scale - before
-         call start_march(sim%model, sim%c_model, s, sim%march)
+         call start_march(sim%model, s, sim%march)
       end associate
       call renew_published(sim)
    end subroutine start_anew

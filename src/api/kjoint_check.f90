@@ -19,10 +19,10 @@ contains
       report%n_free = sim%model%n_lead - sim%model%n_body
       report%n_curve = sim%model%curves%n
       report%n_load = size(sim%model%cload) + size(sim%model%gravity)
-      call tell_joints(sim%model, report)
-      call tell_stops(sim%model, report)
-      call tell_bodies(sim%model, report)
-      call tell_limits(sim%model, report)
+      call tell_joints(sim%model%model_t, report)
+      call tell_stops(sim%model%model_t, report)
+      call tell_bodies(sim%model%model_t, report)
+      call tell_limits(sim%model%model_t, report)
       if (.not. sim%legacy) report%factor = step_factor(sim%model)
    end procedure check_simulation
 
@@ -168,7 +168,7 @@ contains
       type(model_t), intent(in) :: model
       type(check_t), intent(inout) :: report
 
-      type(consistent_model_t) :: c
+      type(consistent_model_t) :: scene
       type(consistent_state_t) :: state
       type(bound_t) :: bound
       type(error_t), allocatable :: error
@@ -177,13 +177,14 @@ contains
 
       report%factor = model%control%dt_factor
       ! a stiffness that nothing tells yet is left 0
-      call start_scene(model, .false., c, state, error)
-      call new_bound(model, c, .false., state, bound)
+      scene%model_t = model
+      call start_scene(scene, .false., state, error)
+      call new_bound(scene, .false., state, bound)
       report%safe_step = bound%h
       call find_islands(model, island, n)
       report%island_step = island_steps(model, island, n, bound%limit)
-      call nodal_bound(model, c, state, report%nodal_step)
-      call exact_bound(model, c, state, bound, MOST_DOFS, report%exact_step)
+      call nodal_bound(scene, state, report%nodal_step)
+      call exact_bound(scene, state, bound, MOST_DOFS, report%exact_step)
       call sort_limits()
 
    contains

@@ -34,7 +34,7 @@ contains
          call read_engine(path, controls, engine_source, findings, options%ignore_unsupported)
       end if
       if (.not. deck%readable) return
-      call build_model(deck, controls, sim%model, findings, sim%legacy)
+      call build_model(deck, controls, sim%model%model_t, findings, sim%legacy)
       if (findings%n_error > 0) return
       associate (c => sim%model%control)
          if (options%until > 0.0_wp) c%t_stop = options%until
@@ -51,11 +51,12 @@ contains
                '/DT/NODA/CST adds mass: only the legacy formulation does that')
       end associate
       if (allocated(error)) return
-      if (abs(options%kn_scale - 1.0_wp) > 0.0_wp) call scale_blocking(sim%model, options%kn_scale)
-      if (sim%legacy) call warn_legacy(sim%model, findings)
+      if (abs(options%kn_scale - 1.0_wp) > 0.0_wp) call scale_blocking(sim%model%model_t, &
+         options%kn_scale)
+      if (sim%legacy) call warn_legacy(sim%model%model_t, findings)
       if (options%dt_scale > 0.0_wp .and. .not. sim%legacy) &
          call note_half_step(step_factor(sim%model), options%dt_scale, findings)
-      if (options%integrator == 'rkmk4') call refuse_path(sim%model, error)
+      if (options%integrator == 'rkmk4') call refuse_path(sim%model%model_t, error)
       if (allocated(error)) return
       call describe(sim)
       call keep_inputs(deck, engine_source, sim%history)
@@ -139,7 +140,7 @@ contains
       integer :: i
 
       reach = 0.0_wp
-      associate (m => sim%model)
+      associate (m => sim%model%model_t)
          allocate (held(m%n_lead), source=.false.)
          do i = 1, size(m%bcs)
             held(m%bcs(i)%lead) = all(m%bcs(i)%fixed)
@@ -161,7 +162,7 @@ contains
 
       integer :: i, n
 
-      associate (h => sim%history, m => sim%model)
+      associate (h => sim%history, m => sim%model%model_t)
          h%title = m%title
          h%legacy = sim%legacy
          h%units = m%units
@@ -194,8 +195,8 @@ contains
             h%node_label(i)%s = m%th_node_name(i)%s
          end do
       end associate
-      call describe_springs(sim%model, sim%history)
-      call new_sampler(sim%model, sim%history, sim%sampler)
+      call describe_springs(sim%model%model_t, sim%history)
+      call new_sampler(sim%model%model_t, sim%history, sim%sampler)
    end subroutine describe
 
    !> What the history says of its springs

@@ -36,7 +36,7 @@ contains
          return
       end if
       sim%started = .false.
-      call new_legacy_state(sim%model, sim%state)
+      call new_legacy_state(sim%model%model_t, sim%state)
       call place_state(sim%model, sim%state)
       call sink%open(sim%history, error)
       if (allocated(error)) return
@@ -47,10 +47,10 @@ contains
          call run_consistent(sim, sink, monitor, status, clock, stop, error)
       end if
       call tell(sim, status)
-      if (sim%state%turn_body > 0) call warn_large_turn(sim%model, sqrt(sim%state%turn2), &
+      if (sim%state%turn_body > 0) call warn_large_turn(sim%model%model_t, sqrt(sim%state%turn2), &
          sim%state%turn_body, status%warnings)
       if (sim%state%ortho_worst > LOOSE) &
-         call warn_loose_frame(sim%model, sim%state, status%warnings)
+         call warn_loose_frame(sim%model%model_t, sim%state, status%warnings)
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
       call monitor%tick(status, ignored)
@@ -86,7 +86,7 @@ contains
             due = state%time >= t_next
             last = state%time + 1.2_wp*state%h2 > control%t_stop .or. stop .or. &
                control%below_min == STOP_BELOW         ! any cycle may be the last
-            call find_accelerations(sim%model, state, due .or. last, error)
+            call find_accelerations(sim%model%model_t, state, due .or. last, error)
             if (allocated(error)) return
             if (state%cycle == 0) call start_energy(sim)
             last = state%time + state%h2 > control%t_stop .or. stop .or. state%ended
@@ -95,9 +95,9 @@ contains
                t_next = min(control%t_stop, max(state%time, t_next + control%sample))
             end if
             if (allocated(error)) return
-            call advance(sim%model, state, error)
+            call advance(sim%model%model_t, state, error)
             if (last .or. allocated(error)) return
-            if (modulo(state%cycle, tick_cycles(sim%model)) > 0) cycle
+            if (modulo(state%cycle, tick_cycles(sim%model%model_t)) > 0) cycle
             call tell(sim, status)
             call monitor%tick(status, stop)
          end do
@@ -127,7 +127,7 @@ contains
       if (allocated(sim%part)) deallocate (sim%part)
       allocate (sim%part(0))
       if (sim%options%islands) &
-         call cut_scene(sim%model, sim%c_model, sim%march, sim%n_island, sim%part)
+         call cut_scene(sim%model, sim%march, sim%n_island, sim%part)
       call add_row(sim, sink, .false., clock, status, error)
       associate (cs => sim%c_state, control => sim%model%control)
          do while (cs%time < control%t_stop .and. .not. allocated(error))
@@ -166,16 +166,16 @@ contains
       integer :: p
 
       if (size(sim%part) == 0) then
-         call march(sim%model, sim%c_model, t_end, tick_cycles(sim%model), sim%march, sim%c_state, &
+         call march(sim%model, t_end, tick_cycles(sim%model%model_t), sim%march, sim%c_state, &
             arrived)
-         call check_state(sim%model, sim%c_model, sim%c_state, error)
+         call check_state(sim%model, sim%c_state, error)
          return
       end if
-      call march_parts(t_end, [(tick_cycles(sim%part(p)%cut%model), p=1, size(sim%part))], &
+      call march_parts(t_end, [(tick_cycles(sim%part(p)%model%model_t), p=1, size(sim%part))], &
          sim%model%control%threads, sim%part, arrived)
       do p = 1, size(sim%part)
          associate (part => sim%part(p))
-            call check_state(part%cut%model, part%c, part%state, error)
+            call check_state(part%model, part%state, error)
          end associate
          if (allocated(error)) return
       end do
@@ -187,10 +187,10 @@ contains
       type(simulation_t), intent(inout) :: sim
       type(error_t), allocatable, intent(out) :: error
 
-      call start_scene(sim%model, sim%options%integrator == 'rkmk4', sim%c_model, sim%c_state, &
+      call start_scene(sim%model, sim%options%integrator == 'rkmk4', sim%c_state, &
          error)
       if (allocated(error)) return
-      call place_consistent_state(sim%model, sim%c_model, sim%c_state)
+      call place_consistent_state(sim%model, sim%c_state)
       sim%march%integrator = SPLIT2
       if (sim%options%integrator == 'liemid') sim%march%integrator = LIEMID
       if (sim%options%integrator == 'rkmk4') sim%march%integrator = RKMK4
@@ -198,15 +198,14 @@ contains
       sim%march%factor = step_factor(sim%model)
       sim%march%most = sim%model%control%dt_max
       if (sim%model%control%dt_ini > 0.0_wp) sim%march%first = sim%model%control%dt_ini
-      call start_march(sim%model, sim%c_model, sim%c_state, sim%march)
+      call start_march(sim%model, sim%c_state, sim%march)
       if (.not. allocated(sim%state%ortho)) allocate (sim%state%ortho(sim%model%n_element), &
          source=0.0_wp)
    end subroutine start_consistent
 
    !> The run is still where the formulation holds
-   subroutine check_state(model, c, state, error)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine check_state(model, state, error)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
@@ -219,7 +218,7 @@ contains
             str(state%cycle))
          return
       end if
-      at = full_turn(c, state)
+      at = full_turn(model, state)
       if (at == 0) return
       do j = 1, model%n_element
          if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
@@ -281,19 +280,20 @@ contains
       status%wall_solve = status%wall_solve + now - clock
       if (.not. sim%legacy) then
          if (size(sim%part) > 0) then
-            call gather_parts(sim%c_model, sim%part, sim%c_state, sim%march)
+            call gather_parts(sim%model, sim%part, sim%c_state, sim%march)
          else
-            call balance_ledger(sim%model, sim%c_model, sim%c_state)
+            call balance_ledger(sim%model, sim%c_state)
          end if
-         call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
+         call publish(sim%model, sim%march, sim%c_state, sim%state)
       end if
       call sink%begin_row(row)
       if (associated(row)) then
-         call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, row, error)
+         call sample_row(sim%model%model_t, sim%state, sim%history, final, sim%sampler, row, error)
          if (.not. allocated(error)) call sink%end_row(error)
       else
          if (.not. allocated(sim%row)) allocate (sim%row(sim%history%n_value))
-         call sample_row(sim%model, sim%state, sim%history, final, sim%sampler, sim%row, error)
+         call sample_row(sim%model%model_t, sim%state, sim%history, final, sim%sampler, sim%row, &
+            error)
          if (.not. allocated(error)) call sink%put(sim%row, error)
       end if
       clock = wall_clock()
@@ -312,7 +312,7 @@ contains
 
       type(balance_t) :: b
 
-      b = balance_of(sim%model, sim%state)
+      b = balance_of(sim%model%model_t, sim%state)
       sim%state%energy0 = b%kinetic_trans + b%kinetic_rot + b%internal - sim%state%work
    end subroutine start_energy
 

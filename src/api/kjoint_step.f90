@@ -22,10 +22,10 @@ contains
          return
       end if
       sim%started = .false.
-      call new_legacy_state(sim%model, sim%state)
+      call new_legacy_state(sim%model%model_t, sim%state)
       call place_state(sim%model, sim%state)
       if (sim%legacy) then
-         call find_accelerations(sim%model, sim%state, .true., error)
+         call find_accelerations(sim%model%model_t, sim%state, .true., error)
          if (.not. allocated(error)) call start_energy(sim)
       else
          call start_consistent(sim, error)
@@ -48,8 +48,8 @@ contains
       else
          arrived = .not. sim%c_state%time < until
          do while (.not. (arrived .or. allocated(error)))
-            call march(sim%model, sim%c_model, until, CHUNK, sim%march, sim%c_state, arrived)
-            call check_state(sim%model, sim%c_model, sim%c_state, error)
+            call march(sim%model, until, CHUNK, sim%march, sim%c_state, arrived)
+            call check_state(sim%model, sim%c_state, error)
          end do
          if (.not. allocated(error)) call renew_published(sim)
       end if
@@ -66,8 +66,8 @@ contains
          call legacy_cycle(sim, error)
       else
          until = sim%c_state%time + sim%march%limit
-         call march(sim%model, sim%c_model, until, 1, sim%march, sim%c_state, arrived)
-         call check_state(sim%model, sim%c_model, sim%c_state, error)
+         call march(sim%model, until, 1, sim%march, sim%c_state, arrived)
+         call check_state(sim%model, sim%c_state, error)
          if (.not. allocated(error)) call renew_published(sim)
       end if
       sim%started = .not. allocated(error)
@@ -78,16 +78,17 @@ contains
       type(simulation_t), intent(inout) :: sim
       type(error_t), allocatable, intent(out) :: error
 
-      call advance(sim%model, sim%state, error)
-      if (.not. allocated(error)) call find_accelerations(sim%model, sim%state, .true., error)
+      call advance(sim%model%model_t, sim%state, error)
+      if (.not. allocated(error)) call find_accelerations(sim%model%model_t, sim%state, .true., &
+         error)
    end subroutine legacy_cycle
 
    !> What samples and queries read
    subroutine renew_published(sim)
       type(simulation_t), intent(inout) :: sim
 
-      call balance_ledger(sim%model, sim%c_model, sim%c_state)
-      call publish(sim%model, sim%c_model, sim%march, sim%c_state, sim%state)
+      call balance_ledger(sim%model, sim%c_state)
+      call publish(sim%model, sim%march, sim%c_state, sim%state)
    end subroutine renew_published
 
    subroutine check_started(sim, error)
@@ -115,7 +116,7 @@ contains
             str(size(row)))
          return
       end if
-      call sample_row(sim%model, sim%state, sim%history, .false., sim%sampler, row, error)
+      call sample_row(sim%model%model_t, sim%state, sim%history, .false., sim%sampler, row, error)
    end procedure sample_simulation
 
    module procedure channel_values
@@ -156,7 +157,7 @@ contains
       call find_body(sim, id, b, error)
       if (allocated(error)) return
       body%id = id
-      associate (s => sim%state, m => sim%model)
+      associate (s => sim%state, m => sim%model%model_t)
          body%mass = s%mass(b)
          body%position = s%world%x(b, :)
          p = matmul(reshape(s%p(b, :), [3, 3]), transpose(reshape(m%axes(b, :), [3, 3])))
@@ -209,7 +210,7 @@ contains
       do i = 1, sim%model%n_node
          if (sim%model%node_id(i) /= id) cycle
          x = sim%state%world%x(i, :)
-         if (.not. sim%legacy) x = place_node(sim%model, sim%c_model, sim%c_state, i)
+         if (.not. sim%legacy) x = place_node(sim%model, sim%c_state, i)
          return
       end do
       call fail(error, ERR_INPUT, 'there is no node '//str(id))
@@ -246,7 +247,7 @@ contains
          call fail(error, ERR_INPUT, 'the deck was loaded for another formulation than the set')
       end if
       if (allocated(error)) return
-      call take_model(set, sim%model, node_id, error, attitude)
+      call take_model(set, sim%model%model_t, node_id, error, attitude)
       if (allocated(error)) set%made = .false.
    end procedure take_joints
 

@@ -11,7 +11,6 @@ module kj_consistent_auto_stiffness
    use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: LAW_SPRING, LAW_DAMPER
-   use kj_model, only: model_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_build, only: build_consistent_model, new_consistent_state
    use kj_consistent_safe_step, only: bound_t, new_bound
@@ -30,39 +29,38 @@ contains
    !> Constants and state at t = 0.
    !>
    !> Errors: ERR_RUN when a joint takes its stiffness from the step, and nothing limits that.
-   subroutine start_scene(model, explicit, c, state, error)
-      type(model_t), intent(in) :: model
+   subroutine start_scene(model, explicit, state, error)
+      type(consistent_model_t), intent(inout) :: model   !! that of all is there
       logical, intent(in) :: explicit            !! damping shortens the step
-      type(consistent_model_t), intent(out) :: c
       type(consistent_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
 
       real(wp) :: wanted
 
-      call build_consistent_model(model, c)
-      call new_consistent_state(model, c, state)
+      call build_consistent_model(model)
+      call new_consistent_state(model, state)
       if (.not. any_automatic(model)) return
-      call set_stiffness(model, 0.0_wp, c)
-      wanted = min(model%control%dt_max, SHARE*step_of(model, c, explicit, state))
+      call set_stiffness(0.0_wp, model)
+      wanted = min(model%control%dt_max, SHARE*step_of(model, explicit, state))
       if (.not. wanted < NO_STEP) then
          call fail(error, ERR_RUN, 'joint '//str(first_automatic(model))// &
             ' takes its stiffness from the time step, but nothing limits that: give /DTIX')
          return
       end if
-      call find_stiffness(model, explicit, wanted, state, c)
-      call scale_stiffness(model, c)
-      call new_consistent_state(model, c, state)
+      call find_stiffness(explicit, wanted, state, model)
+      call scale_stiffness(model)
+      call new_consistent_state(model, state)
    end subroutine start_scene
 
    pure logical function any_automatic(model) result(any_one)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
 
       any_one = first_automatic(model) > 0
    end function any_automatic
 
    !> User id of the first joint with automatic stiffness, 0 = none
    pure integer function first_automatic(model) result(id)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
 
       integer :: j
 
@@ -77,26 +75,24 @@ contains
    end function first_automatic
 
    !> Step of the scene: factor times the safe bound
-   real(wp) function step_of(model, c, explicit, state) result(h)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   real(wp) function step_of(model, explicit, state) result(h)
+      type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: explicit
       type(consistent_state_t), intent(inout) :: state
 
       type(bound_t) :: bound
 
-      call new_bound(model, c, explicit, state, bound)
+      call new_bound(model, explicit, state, bound)
       h = step_factor(model)*min(bound%h, 1.0e30_wp)
    end function step_of
 
    !> The largest frequency whose step is not below the wanted one, by bisection of its logarithm
    !> between an upper limit and a thousandth of it
-   subroutine find_stiffness(model, explicit, wanted, state, c)
-      type(model_t), intent(in) :: model
+   subroutine find_stiffness(explicit, wanted, state, model)
       logical, intent(in) :: explicit
       real(wp), intent(in) :: wanted
       type(consistent_state_t), intent(inout) :: state
-      type(consistent_model_t), intent(inout) :: c
+      type(consistent_model_t), intent(inout) :: model
 
       real(wp) :: low, high, middle
       integer :: i
@@ -105,29 +101,28 @@ contains
       low = 1.0e-3_wp*high
       do i = 1, HALVINGS
          middle = sqrt(low*high)
-         call set_stiffness(model, middle, c)
-         if (step_of(model, c, explicit, state) >= wanted) then
+         call set_stiffness(middle, model)
+         if (step_of(model, explicit, state) >= wanted) then
             low = middle
          else
             high = middle
          end if
       end do
-      call set_stiffness(model, low, c)
+      call set_stiffness(low, model)
    end subroutine find_stiffness
 
    !> K = w^2 m of the blocked directions of all automatic joints, and their damping; stops and
    !> locks without a stiffness of their own get the largest
-   subroutine set_stiffness(model, omega, c)
-      type(model_t), intent(in) :: model
+   subroutine set_stiffness(omega, model)
       real(wp), intent(in) :: omega
-      type(consistent_model_t), intent(inout) :: c
+      type(consistent_model_t), intent(inout) :: model
 
       integer :: b, i, dof
 
-      do b = 1, size(c%batch)
-         if (.not. c%batch(b)%limited) cycle
-         if (.not. any(c%batch(b)%limit%automatic)) cycle
-         associate (batch => c%batch(b))
+      do b = 1, size(model%geometry)
+         if (.not. model%geometry(b)%limited) cycle
+         if (.not. any(model%geometry(b)%limit%automatic)) cycle
+         associate (batch => model%geometry(b))
             do dof = 1, NDOF
                if (joint_types(batch%row)%free(dof) == 1) cycle
                batch%law(dof) = LAW_SPRING + LAW_DAMPER
@@ -147,23 +142,22 @@ contains
    end subroutine set_stiffness
 
    !> SCF times the automatic stiffness
-   subroutine scale_stiffness(model, c)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(inout) :: c
+   subroutine scale_stiffness(model)
+      type(consistent_model_t), intent(inout) :: model
 
       real(wp) :: s
       integer :: b, i
 
-      do b = 1, size(c%batch)
-         if (.not. c%batch(b)%limited) cycle
-         do i = 1, c%batch(b)%n
-            if (.not. c%batch(b)%limit%automatic(i)) cycle
+      do b = 1, size(model%geometry)
+         if (.not. model%geometry(b)%limited) cycle
+         do i = 1, model%geometry(b)%n
+            if (.not. model%geometry(b)%limit%automatic(i)) cycle
             s = model%batch(b)%limit%scale(i)
-            where (joint_types(c%batch(b)%row)%free == 0)
-               c%batch(b)%k(i, :) = s*c%batch(b)%k(i, :)
-               c%batch(b)%c(i, :) = sqrt(s)*c%batch(b)%c(i, :)
+            where (joint_types(model%geometry(b)%row)%free == 0)
+               model%geometry(b)%k(i, :) = s*model%geometry(b)%k(i, :)
+               model%geometry(b)%c(i, :) = sqrt(s)*model%geometry(b)%c(i, :)
             end where
-            c%batch(b)%limit%k_block(i, :) = s*c%batch(b)%limit%k_block(i, :)
+            model%geometry(b)%limit%k_block(i, :) = s*model%geometry(b)%limit%k_block(i, :)
          end do
       end do
    end subroutine scale_stiffness

@@ -16,8 +16,8 @@ module kj_consistent_body
 contains
 
    !> v += h/2 f/m, L += h/2 t of leads lo..hi; blocked leads have no inverse mass or inertia
-   pure subroutine kick(c, state, h, lo, hi)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine kick(model, state, h, lo, hi)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
       real(wp), intent(in) :: h                       !! the whole step
       integer, intent(in) :: lo, hi
@@ -27,7 +27,7 @@ contains
       do k = 1, 3
          !$omp simd
          do i = lo, hi
-            state%v(i, k) = state%v(i, k) + 0.5_wp*h*c%im(i)*state%f(i, k)
+            state%v(i, k) = state%v(i, k) + 0.5_wp*h*model%inverse_mass(i)*state%f(i, k)
             state%l(i, k) = state%l(i, k) + 0.5_wp*h*state%t(i, k)
          end do
       end do
@@ -38,8 +38,8 @@ contains
    !> Three unequal inertias: half, half about the smallest and the middle axis, whole about the
    !> largest, and back. Two equal ones: the exact motion, a turn h L/It in space and one about the
    !> axis of symmetry by h l (1/Ia - 1/It).
-   pure subroutine drift(c, state, h, lo, hi)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine drift(model, state, h, lo, hi)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
@@ -60,30 +60,30 @@ contains
          do k = 1, 4
             q(:n, k) = state%poses%quat(from:to, k)
          end do
-         unequal = any(c%equal(from:to) == 0)
-         if (any(c%equal(from:to) > 0)) then
-            call symmetric_part(c, from, n, h, l, space, part)
+         unequal = any(model%equal(from:to) == 0)
+         if (any(model%equal(from:to) > 0)) then
+            call symmetric_part(model, from, n, h, l, space, part)
             call turn_in_space(n, space, q)
          else
             part(:n, 1) = 1.0_wp
             part(:n, 2:3) = 0.5_wp
          end if
          call conjugate_turn(n, q, l, w)
-         call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
-         call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
-         call plane_turn(n, 1, h, part(:, 1), c%ii(from:to, 1), q, w)
+         call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
+         call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
+         call plane_turn(n, 1, h, part(:, 1), model%inverse_inertia(from:to, 1), q, w)
          if (unequal) then
             do i = 1, n
-               if (c%equal(from + i - 1) > 0) part(i, 2:3) = 0.0_wp
+               if (model%equal(from + i - 1) > 0) part(i, 2:3) = 0.0_wp
             end do
-            call plane_turn(n, 2, h, part(:, 2), c%ii(from:to, 2), q, w)
-            call plane_turn(n, 3, h, part(:, 3), c%ii(from:to, 3), q, w)
+            call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
+            call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
          end if
          !$omp simd private(scale)
          do i = 1, n
             scale = 1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
             ! others may look at a lead at rest (kj_wave): it does not change by a rounding
-            scale = merge(scale, 1.0_wp, c%ii(from + i - 1, 1) > 0.0_wp)
+            scale = merge(scale, 1.0_wp, model%inverse_inertia(from + i - 1, 1) > 0.0_wp)
             state%poses%quat(from + i - 1, 1) = q(i, 1)*scale
             state%poses%quat(from + i - 1, 2) = q(i, 2)*scale
             state%poses%quat(from + i - 1, 3) = q(i, 3)*scale
@@ -93,8 +93,8 @@ contains
    end subroutine drift
 
    !> Space turn h L/It of symmetric bodies (0 for others), and the share of each plane rotation
-   pure subroutine symmetric_part(c, from, n, h, l, space, part)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine symmetric_part(model, from, n, h, l, space, part)
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: from, n
       real(wp), intent(in) :: h, l(BLOCK, 3)
       real(wp), intent(out) :: space(BLOCK, 3), part(BLOCK, 3)
@@ -104,16 +104,17 @@ contains
 
       do i = 1, n
          j = from + i - 1
-         a = c%equal(j)
+         a = model%equal(j)
          if (a == 0) then
             space(i, :) = 0.0_wp
             part(i, 1) = 1.0_wp
             part(i, 2:3) = 0.5_wp
          else
-            it = c%ii(j, modulo(a, 3) + 1)
+            it = model%inverse_inertia(j, modulo(a, 3) + 1)
             space(i, :) = h*it*l(i, :)
             part(i, :) = 0.0_wp
-            if (c%ii(j, a) > 0.0_wp) part(i, a) = 1.0_wp - it/c%ii(j, a)
+            if (model%inverse_inertia(j, a) > 0.0_wp) part(i, a) = &
+               1.0_wp - it/model%inverse_inertia(j, a)
          end if
       end do
    end subroutine symmetric_part
@@ -198,8 +199,8 @@ contains
 
    !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m,
    !> J^-1 (L + h/2 t), with what the host of single joints adds to f and t
-   pure subroutine predict(c, h, lo, hi, state)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine predict(model, h, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
@@ -220,17 +221,17 @@ contains
             !$omp simd private(j)
             do i = 1, n
                j = from + i - 1
-               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h*c%im(j)*f(i, k)
+               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h*model%inverse_mass(j)*f(i, k)
                l(i, k) = state%l(j, k) + 0.5_wp*h*t(i, k)
             end do
          end do
-         call spin_block(c, state%poses%quat, from, n, l, state%poses%w)
+         call spin_block(model, state%poses%quat, from, n, l, state%poses%w)
       end do
    end subroutine predict
 
    !> w = J^-1 L of leads lo..hi
-   pure subroutine spin_velocity(c, quat, l, lo, hi, w)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine spin_velocity(model, quat, l, lo, hi, w)
+      type(consistent_model_t), intent(in) :: model
       real(wp), contiguous, intent(in) :: quat(:, :)  !! (n_lead, 4)
       real(wp), contiguous, intent(in) :: l(:, :)     !! (n_lead, 3) angular momentum, W
       integer, intent(in) :: lo, hi
@@ -244,13 +245,13 @@ contains
          do k = 1, 3
             part(:n, k) = l(from:from + n - 1, k)
          end do
-         call spin_block(c, quat, from, n, part, w)
+         call spin_block(model, quat, from, n, part, w)
       end do
    end subroutine spin_velocity
 
    !> w = J^-1 L of n leads from ..., L of these alone
-   pure subroutine spin_block(c, quat, from, n, l, w)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine spin_block(model, quat, from, n, l, w)
+      type(consistent_model_t), intent(in) :: model
       real(wp), contiguous, intent(in) :: quat(:, :)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: l(BLOCK, 3)
@@ -266,9 +267,9 @@ contains
       !$omp simd private(j, s1, s2, s3)
       do i = 1, n
          j = from + i - 1
-         s1 = c%ii(j, 1)*(e(i, 1)*l(i, 1) + e(i, 2)*l(i, 2) + e(i, 3)*l(i, 3))
-         s2 = c%ii(j, 2)*(e(i, 4)*l(i, 1) + e(i, 5)*l(i, 2) + e(i, 6)*l(i, 3))
-         s3 = c%ii(j, 3)*(e(i, 7)*l(i, 1) + e(i, 8)*l(i, 2) + e(i, 9)*l(i, 3))
+         s1 = model%inverse_inertia(j, 1)*(e(i, 1)*l(i, 1) + e(i, 2)*l(i, 2) + e(i, 3)*l(i, 3))
+         s2 = model%inverse_inertia(j, 2)*(e(i, 4)*l(i, 1) + e(i, 5)*l(i, 2) + e(i, 6)*l(i, 3))
+         s3 = model%inverse_inertia(j, 3)*(e(i, 7)*l(i, 1) + e(i, 8)*l(i, 2) + e(i, 9)*l(i, 3))
          w(j, 1) = e(i, 1)*s1 + e(i, 4)*s2 + e(i, 7)*s3
          w(j, 2) = e(i, 2)*s1 + e(i, 5)*s2 + e(i, 8)*s3
          w(j, 3) = e(i, 3)*s1 + e(i, 6)*s2 + e(i, 9)*s3
@@ -276,8 +277,8 @@ contains
    end subroutine spin_block
 
    !> J^-1 in W times the number of joints of the lead: xx yy zz xy xz yz
-   pure subroutine inverse_inertias(c, quat, lo, hi, ij)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine inverse_inertias(model, quat, lo, hi, ij)
+      type(consistent_model_t), intent(in) :: model
       real(wp), contiguous, intent(in) :: quat(:, :)
       integer, intent(in) :: lo, hi
       real(wp), contiguous, intent(inout) :: ij(:, :) !! (n_lead, 6)
@@ -298,8 +299,9 @@ contains
             !$omp simd private(j)
             do i = 1, n
                j = from + i - 1
-               ij(j, k) = real(c%n_joint(j), wp)*(c%ii(j, 1)*e(i, r)*e(i, m) + &
-                  c%ii(j, 2)*e(i, r + 3)*e(i, m + 3) + c%ii(j, 3)*e(i, r + 6)*e(i, m + 6))
+               ij(j, k) = real(model%n_end(j), wp)*(model%inverse_inertia(j, 1)*e(i, r)*e(i, m) + &
+                  model%inverse_inertia(j, 2)*e(i, r + 3)*e(i, m + 3) + model%inverse_inertia(j, &
+                  3)*e(i, r + 6)*e(i, m + 6))
             end do
          end do
       end do

@@ -9,7 +9,7 @@ module kj_consistent_build
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
       LAW_SPRING_CURVE
-   use kj_model, only: model_t, load_t, IMPOSE_DISPLACEMENT
+   use kj_model, only: load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_batch, only: consistent_batch_t, chart_of, new_consistent_joint, &
       new_consistent_limits
@@ -28,48 +28,52 @@ module kj_consistent_build
 
 contains
 
-   !> Constants of the consistent formulation
-   subroutine build_consistent_model(model, c)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(out) :: c
+   !> Constants of the consistent formulation, from those of the model; again after each start
+   subroutine build_consistent_model(model)
+      type(consistent_model_t), intent(inout) :: model
 
       integer :: b, i, lead, j
 
-      allocate (c%batch(size(model%batch)), c%n_joint(model%n_lead), c%hold_of(model%n_lead))
-      c%n_joint = model%map%first(2:) - model%map%first(:model%n_lead)
-      call collect_holds(model, c)
-      call set_inertia(model, c)
-      allocate (c%arm(model%n_node, 3))
+      if (allocated(model%geometry)) deallocate (model%geometry, model%hold_of, model%arm, &
+         model%inverse_mass, model%spin_inertia, model%inverse_inertia, model%quat0, model%axes0, &
+         model%equal, model%hold, model%hold_to)
+      allocate (model%geometry(size(model%batch)), model%hold_of(model%n_lead))
+      model%n_end = model%map%first(2:) - model%map%first(:model%n_lead)
+      call collect_holds(model)
+      call set_inertia(model)
+      allocate (model%arm(model%n_node, 3))
       do i = 1, model%n_node
          lead = model%lead(i)
-         c%arm(i, :) = matmul(model%x0(i, :) - model%x0(lead, :), reshape(c%axes0(lead, :), [3, 3]))
+         model%arm(i, :) = matmul(model%x0(i, :) - model%x0(lead, :), &
+            reshape(model%axes0(lead, :), [3, 3]))
       end do
       do b = 1, size(model%batch)
-         call build_batch(model, c, model%batch(b), c%batch(b))
+         call build_batch(model, model%batch(b), model%geometry(b))
       end do
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
-         min(SPAN, c%n_joint), c%team)
-      call new_plan(model%batch%first, model%map, c%team, c%once)
-      call plan_of_leads(c%team, c%alone)
-      c%damped = any([(c%batch(b)%damped, b=1, size(c%batch))])
-      if (c%damped) call new_plan(model%batch%first, model%map, c%team, c%twice, rests=at_rest(c))
-      c%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
-      c%placed = [integer ::]
+         min(SPAN, model%n_end), model%team)
+      call new_plan(model%batch%first, model%map, model%team, model%once)
+      call plan_of_leads(model%team, model%alone)
+      model%damped = any([(model%geometry(b)%damped, b=1, size(model%geometry))])
+      if (model%damped) call new_plan(model%batch%first, model%map, model%team, model%twice, &
+         rests=at_rest(model))
+      model%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
+      model%placed = [integer ::]
       do i = 1, size(model%skews%needed)
          if (.not. used_by_loads(model, model%skews%needed(i))) cycle
-         c%placed = [c%placed, (model%skews%node(j, model%skews%needed(i)), j=1, 3)]
+         model%placed = [model%placed, (model%skews%node(j, model%skews%needed(i)), j=1, 3)]
       end do
       do i = 1, size(model%cload)
-         c%placed = [c%placed, model%cload(i)%node]
+         model%placed = [model%placed, model%cload(i)%node]
       end do
-      c%loose = loose_ends(model)
-      call build_wave(model, c)
+      model%loose = loose_ends(model)
+      call build_wave(model)
    end subroutine build_consistent_model
 
    !> Ends whose moving skew does not ride on the lead of the joint node: (2, n) joint in deck
    !> order, end
    pure function loose_ends(model) result(list)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       integer, allocatable :: list(:, :)
 
       integer :: j, e, s, n, pass
@@ -94,7 +98,7 @@ contains
 
    !> A skew whose axes loads, conditions or imposed motion read
    pure logical function used_by_loads(model, skew) result(used)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: skew
 
       used = any(model%cload%skew == skew) .or. any(model%gravity%skew == skew) .or. &
@@ -103,7 +107,7 @@ contains
 
    !> Gravity that is constant in size and direction
    pure logical function is_steady(model, load) result(steady)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(load_t), intent(in) :: load
 
       integer :: first, last
@@ -119,16 +123,16 @@ contains
    end function is_steady
 
    !> Inverse masses and inertias, principal axes sorted by descending inertia
-   subroutine set_inertia(model, c)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(inout) :: c
+   subroutine set_inertia(model)
+      type(consistent_model_t), intent(inout) :: model
 
       real(wp) :: axes(3, 3), inertia(3)
       integer :: i, h
 
       associate (n => model%n_lead)
-         allocate (c%im(n), c%i(n, 3), c%ii(n, 3), c%quat0(n, 4), c%axes0(n, 9), source=0.0_wp)
-         allocate (c%equal(n), source=0)
+         allocate (model%inverse_mass(n), model%spin_inertia(n, 3), model%inverse_inertia(n, 3), &
+            model%quat0(n, 4), model%axes0(n, 9), source=0.0_wp)
+         allocate (model%equal(n), source=0)
       end associate
       do i = 1, model%n_lead
          inertia = model%inertia(i)
@@ -138,17 +142,18 @@ contains
             axes = reshape(model%axes(i, :), [3, 3])
             call sort_axes(inertia, axes)
          end if
-         if (model%mass(i) > 0.0_wp) c%im(i) = 1.0_wp/model%mass(i)
-         c%i(i, :) = inertia
-         if (minval(inertia) > 0.0_wp) c%ii(i, :) = 1.0_wp/inertia
-         c%quat0(i, :) = to_quaternion(axes)
-         c%axes0(i, :) = reshape(axes, [9])
-         if (abs(inertia(2) - inertia(3)) <= 1.0e-12_wp*inertia(1)) c%equal(i) = 1
-         if (abs(inertia(1) - inertia(2)) <= 1.0e-12_wp*inertia(1)) c%equal(i) = 3
-         h = c%hold_of(i)
+         if (model%mass(i) > 0.0_wp) model%inverse_mass(i) = 1.0_wp/model%mass(i)
+         model%spin_inertia(i, :) = inertia
+         if (minval(inertia) > 0.0_wp) model%inverse_inertia(i, :) = 1.0_wp/inertia
+         model%quat0(i, :) = to_quaternion(axes)
+         model%axes0(i, :) = reshape(axes, [9])
+         if (abs(inertia(2) - inertia(3)) <= 1.0e-12_wp*inertia(1)) model%equal(i) = 1
+         if (abs(inertia(1) - inertia(2)) <= 1.0e-12_wp*inertia(1)) model%equal(i) = 3
+         h = model%hold_of(i)
          if (h == 0) cycle
-         if (all_blocked(c%hold(h)%trans, c%hold(h)%n_trans)) c%im(i) = 0.0_wp
-         if (all_blocked(c%hold(h)%rot, c%hold(h)%n_rot)) c%ii(i, :) = 0.0_wp
+         if (all_blocked(model%hold(h)%trans, model%hold(h)%n_trans)) model%inverse_mass(i) = 0.0_wp
+         if (all_blocked(model%hold(h)%rot, model%hold(h)%n_rot)) model%inverse_inertia(i, :) = &
+            0.0_wp
       end do
    end subroutine set_inertia
 
@@ -173,9 +178,8 @@ contains
 
    !> Constants of one batch; damping of blocked rotations from the effective inertia of the
    !> direction
-   subroutine build_batch(model, c, old, batch)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine build_batch(model, old, batch)
+      type(consistent_model_t), intent(in) :: model
       type(joint_batch_t), intent(in) :: old
       type(consistent_batch_t), intent(out) :: batch
 
@@ -209,9 +213,9 @@ contains
             t = e
             if (batch%chart == CHART_UNIVERSAL .and. s == 1) t(:, 3) = cross(e(:, 1), e(:, 2))
             if (batch%chart == CHART_UNIVERSAL .and. s == 2) t(:, 2) = cross(e(:, 3), e(:, 1))
-            t = matmul(transpose(reshape(c%axes0(old%lead(i, s), :), [3, 3])), t)
+            t = matmul(transpose(reshape(model%axes0(old%lead(i, s), :), [3, 3])), t)
             batch%triad(i, 4*s - 3:4*s) = to_quaternion(t)
-            batch%arm(i, 3*s - 2:3*s) = c%arm(old%node(i, s), :)
+            batch%arm(i, 3*s - 2:3*s) = model%arm(old%node(i, s), :)
          end do
          if (old%frame == FRAME_CROSS) then
             batch%angle0(i) = atan2(norm2(cross(e(:, 2), e(:, 3))), dot_product(e(:, 2), e(:, 3)))
@@ -220,13 +224,14 @@ contains
          end if
          do dof = 4, 6
             if (joint_types(old%row)%free(dof) == 1) cycle
-            batch%c(i, dof) = old%cr(i)*sqrt(old%k(i, dof)*direction_inertia(c, old%lead(i, :), &
+            batch%c(i, dof) = old%cr(i)*sqrt(old%k(i, dof)*direction_inertia(model, old%lead(i, &
+               :), &
                e(:, dof - 3)))
          end do
       end do
       batch%shifted = any(abs(old%angle0) > 0.0_wp)
       if (batch%shifted) batch%shift = old%angle0
-      if (old%limited) call build_limits(c, old, batch)
+      if (old%limited) call build_limits(model, old, batch)
    end subroutine build_batch
 
    !> Components of r on the dual basis of the columns of e
@@ -242,9 +247,8 @@ contains
    end function dual_components
 
    !> State at t = 0 with its forces
-   subroutine new_consistent_state(model, c, state, lean)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine new_consistent_state(model, state, lean)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(out) :: state
       logical, intent(in), optional :: lean      !! without what only loads and histories read
 
@@ -255,7 +259,7 @@ contains
       if (present(lean)) without = lean
       associate (n => model%n_lead, p => state%poses)
          allocate (p%x, source=model%x0(:n, :))
-         allocate (p%quat, source=c%quat0)
+         allocate (p%quat, source=model%quat0)
          allocate (p%v, source=model%v0(:n, :))
          allocate (state%v, source=model%v0(:n, :))
          allocate (p%w(n, 3), p%w_left(n, 3), p%psi(n, 3), p%im(n), p%ij(n, 6), p%d(n, 3), &
@@ -265,21 +269,22 @@ contains
          n_own = merge(0, model%n_body, without)
          allocate (state%impulse(n_own, 3), state%angular_impulse(n_own, 3), &
             state%turn(n_own, 3), source=0.0_wp)
-         p%im = c%im*c%n_joint
+         p%im = model%inverse_mass*model%n_end
          do i = 1, n
-            state%l(i, :) = start_spin(model, c, i)
+            state%l(i, :) = start_spin(model, i)
          end do
       end associate
       n_own = merge(0, size(model%x0, 1), without)
       allocate (state%node, source=model%x0(:n_own, :))
       allocate (state%skew(0:model%skews%n, 9))
       state%skew = model%skews%axes
-      allocate (state%joint(size(c%batch)))
-      do b = 1, size(c%batch)
-         call new_consistent_joint(c%batch(b)%n, state%joint(b))
-         if (c%batch(b)%limited) call new_consistent_limits(c%batch(b)%n, state%joint(b))
+      allocate (state%joint(size(model%geometry)))
+      do b = 1, size(model%geometry)
+         call new_consistent_joint(model%geometry(b)%n, state%joint(b))
+         if (model%geometry(b)%limited) call new_consistent_limits(model%geometry(b)%n, &
+            state%joint(b))
       end do
-      allocate (state%part(N_SUM, size(c%once%hub), 2, 0:N_STEP), source=0.0_wp)
+      allocate (state%part(N_SUM, size(model%once%hub), 2, 0:N_STEP), source=0.0_wp)
       allocate (state%wrench(N_CONSISTENT_WRENCH, model%n_element), &
          state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
@@ -290,17 +295,17 @@ contains
       end do
       allocate (state%load_place, source=state%load_force)
       call start_motions(model, state)
-      allocate (state%kept%rates(6, size(c%hold)), state%kept%quat(4, size(c%hold)), &
-         state%kept%w(3, size(c%hold)), state%kept%work(2, size(c%hold), WHOLE), source=0.0_wp)
+      allocate (state%kept%rates(6, size(model%hold)), state%kept%quat(4, size(model%hold)), &
+         state%kept%w(3, size(model%hold)), state%kept%work(2, size(model%hold), WHOLE), &
+         source=0.0_wp)
       state%work = 0.0_wp
-      call settle(model, c, state)
-      call start_energies(model, c, state)
+      call settle(model, state)
+      call start_energies(model, state)
    end subroutine new_consistent_state
 
    !> Velocities that obey conditions and imposed motion, and the forces of the present pose
-   subroutine settle(model, c, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine settle(model, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       real(wp) :: mean(size(model%motion)), final(size(model%motion)), work
@@ -309,29 +314,28 @@ contains
       work = state%work
       call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
       active = active .and. model%motion%kind == 1
-      call project_all(model, c, final, active, WHOLE, state)
+      call project_all(model, final, active, WHOLE, state)
       state%work = work
-      call find_forces(model, c, 0.0_wp, final, active, state)
+      call find_forces(model, 0.0_wp, final, active, state)
    end subroutine settle
 
    !> J w of a lead at the start; 0 where it cannot turn
-   pure function start_spin(model, c, lead) result(l)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   pure function start_spin(model, lead) result(l)
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: lead
       real(wp) :: l(3)
 
       real(wp) :: p(3, 3)
 
       l = 0.0_wp
-      if (.not. maxval(c%ii(lead, :)) > 0.0_wp) return
-      p = reshape(c%axes0(lead, :), [3, 3])
-      l = matmul(p, c%i(lead, :)*matmul(model%w0(lead, :), p))
+      if (.not. maxval(model%inverse_inertia(lead, :)) > 0.0_wp) return
+      p = reshape(model%axes0(lead, :), [3, 3])
+      l = matmul(p, model%spin_inertia(lead, :)*matmul(model%w0(lead, :), p))
    end function start_spin
 
    !> Imposed accelerations start from the velocity there is
    subroutine start_motions(model, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i

@@ -3,7 +3,6 @@ module kj_consistent_build_stops
    use kj_kinds, only: wp
    use kj_curve, only: curve_integral
    use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE
-   use kj_model, only: model_t
    use kj_consistent_batch, only: consistent_batch_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    implicit none
@@ -14,8 +13,8 @@ module kj_consistent_build_stops
 contains
 
    !> Limits, and the effective mass and inertia of each direction
-   subroutine build_limits(c, old, batch)
-      type(consistent_model_t), intent(in) :: c
+   subroutine build_limits(model, old, batch)
+      type(consistent_model_t), intent(in) :: model
       type(joint_batch_t), intent(in) :: old
       type(consistent_batch_t), intent(inout) :: batch
 
@@ -28,15 +27,15 @@ contains
       do i = 1, old%n
          batch%inertia(i, 1:3) = old%reduced(i, 1)
          do dof = 4, 6
-            batch%inertia(i, dof) = direction_inertia(c, old%lead(i, :), &
+            batch%inertia(i, dof) = direction_inertia(model, old%lead(i, :), &
                old%frame0(i, 3*dof - 11:3*dof - 9))
          end do
       end do
    end subroutine build_limits
 
    !> Effective inertia 1/(e.J1^-1 e + e.J2^-1 e) of a relative turn about e; 0 where nothing turns
-   pure real(wp) function direction_inertia(c, lead, e) result(m)
-      type(consistent_model_t), intent(in) :: c
+   pure real(wp) function direction_inertia(model, lead, e) result(m)
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: lead(2)
       real(wp), intent(in) :: e(3)
 
@@ -45,8 +44,8 @@ contains
 
       sum_inverse = 0.0_wp
       do s = 1, 2
-         sum_inverse = sum_inverse + sum(c%ii(lead(s), :)*matmul(e, &
-            reshape(c%axes0(lead(s), :), [3, 3]))**2)
+         sum_inverse = sum_inverse + sum(model%inverse_inertia(lead(s), :)*matmul(e, &
+            reshape(model%axes0(lead(s), :), [3, 3]))**2)
       end do
       m = 0.0_wp
       if (sum_inverse > 0.0_wp) m = 1.0_wp/sum_inverse
@@ -54,15 +53,14 @@ contains
 
    !> Elastic energy at the start of joints whose angles do not start at 0 or that start beyond a
    !> stop
-   subroutine start_energies(model, c, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine start_energies(model, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       integer :: b, i
 
-      do b = 1, size(c%batch)
-         associate (batch => c%batch(b), joint => state%joint(b))
+      do b = 1, size(model%geometry)
+         associate (batch => model%geometry(b), joint => state%joint(b))
             if (batch%limited) joint%elastic = joint%elastic + joint%stored
             if (.not. batch%shifted) cycle
             do i = 1, batch%n
@@ -74,7 +72,7 @@ contains
 
    !> Energy in the rotational springs of joint i at its first angles
    pure real(wp) function spring_energy(model, batch, i) result(u)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_batch_t), intent(in) :: batch
       integer, intent(in) :: i
 

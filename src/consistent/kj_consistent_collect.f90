@@ -3,7 +3,6 @@
 module kj_consistent_collect
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
-   use kj_model, only: model_t
    use kj_consistent_state, only: consistent_model_t, hold_t, row_t
    implicit none
    private
@@ -13,15 +12,14 @@ module kj_consistent_collect
 contains
 
    !> Conditions and imposed motions of each lead as rows
-   subroutine collect_holds(model, c)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(inout) :: c
+   subroutine collect_holds(model)
+      type(consistent_model_t), intent(inout) :: model
 
       type(hold_t), allocatable :: hold(:)
       integer :: i, k, n
       type(row_t) :: row
 
-      c%hold_of = 0
+      model%hold_of = 0
       allocate (hold(size(model%bcs) + size(model%motion)))
       n = 0
       do i = 1, size(model%bcs)
@@ -39,7 +37,7 @@ contains
          row%motion = i
          call add_row(model%motion(i)%lead, row)
       end do
-      call sort_holds(hold(:n), c)
+      call sort_holds(hold(:n), model)
    contains
       subroutine add_row(lead, new)
          integer, intent(in) :: lead
@@ -49,12 +47,12 @@ contains
 
          ! a node without inertia does not turn at all
          if (new%dir > 3 .and. .not. model%inertia(lead) > 0.0_wp) return
-         if (c%hold_of(lead) == 0) then
+         if (model%hold_of(lead) == 0) then
             n = n + 1
-            c%hold_of(lead) = n
+            model%hold_of(lead) = n
             hold(n)%lead = lead
          end if
-         at = c%hold_of(lead)
+         at = model%hold_of(lead)
          if (new%dir <= 3) then
             if (hold(at)%n_trans == 3) return
             hold(at)%n_trans = hold(at)%n_trans + 1
@@ -68,35 +66,35 @@ contains
    end subroutine collect_holds
 
    !> Conditions by ascending lead, and how many there are up to each block of leads
-   pure subroutine sort_holds(hold, c)
+   pure subroutine sort_holds(hold, model)
       type(hold_t), intent(in) :: hold(:)
-      type(consistent_model_t), intent(inout) :: c
+      type(consistent_model_t), intent(inout) :: model
 
       integer :: lead, n
 
-      allocate (c%hold(size(hold)), c%hold_to(0:(size(c%hold_of) + BLOCK - 1)/BLOCK))
-      c%hold_to(0) = 0
+      allocate (model%hold(size(hold)), model%hold_to(0:(size(model%hold_of) + BLOCK - 1)/BLOCK))
+      model%hold_to(0) = 0
       n = 0
-      do lead = 1, size(c%hold_of)
-         if (c%hold_of(lead) > 0) then
+      do lead = 1, size(model%hold_of)
+         if (model%hold_of(lead) > 0) then
             n = n + 1
-            c%hold(n) = hold(c%hold_of(lead))
-            c%hold_of(lead) = n
+            model%hold(n) = hold(model%hold_of(lead))
+            model%hold_of(lead) = n
          end if
-         c%hold_to((lead + BLOCK - 1)/BLOCK) = n
+         model%hold_to((lead + BLOCK - 1)/BLOCK) = n
       end do
    end subroutine sort_holds
 
    !> Leads that are blocked in all directions
-   pure function at_rest(c) result(rests)
-      type(consistent_model_t), intent(in) :: c
-      logical :: rests(size(c%hold_of))
+   pure function at_rest(model) result(rests)
+      type(consistent_model_t), intent(in) :: model
+      logical :: rests(size(model%hold_of))
 
       integer :: i
 
       rests = .false.
-      do i = 1, size(c%hold)
-         associate (hold => c%hold(i))
+      do i = 1, size(model%hold)
+         associate (hold => model%hold(i))
             rests(hold%lead) = all_blocked(hold%trans, hold%n_trans) .and. &
                all_blocked(hold%rot, hold%n_rot)
          end associate

@@ -6,7 +6,7 @@ module kj_consistent_conditions
    use kj_math3, only: rotation, to_quaternion, cross
    use kj_lapack, only: solve_dense
    use kj_curve, only: curve_set_t, load_value, curve_integral, curve_moment
-   use kj_model, only: model_t, motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
+   use kj_model, only: motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
    use kj_consistent_body, only: columns, spin_velocity
@@ -24,7 +24,7 @@ contains
    !> Wanted velocities of the imposed motions over a step from t to t + h: the mean over the step
    !> (tables integrated exactly) and the value at its end. Inactive motions keep what there is.
    subroutine motion_targets(model, state, h, mean, final, active)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       real(wp), intent(in) :: h
       real(wp), intent(out) :: mean(:), final(:)     !! (n_motion)
@@ -98,30 +98,29 @@ contains
    end function slope_at
 
    !> Velocities of the leads of holds first..last, into state%kept
-   pure subroutine keep_rates(c, first, last, state)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine keep_rates(model, first, last, state)
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: first, last
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i, lead
 
       do i = first, last
-         lead = c%hold(i)%lead
-         call spin_velocity(c, state%poses%quat, state%l, lead, lead, state%poses%w)
+         lead = model%hold(i)%lead
+         call spin_velocity(model, state%poses%quat, state%l, lead, lead, state%poses%w)
          state%kept%rates(:, i) = [state%v(lead, :), state%poses%w(lead, :)]
       end do
    end subroutine keep_rates
 
    !> Project all held leads, and count the work
-   subroutine project_all(model, c, target, active, part, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine project_all(model, target, active, part, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: target(:)              !! (n_motion) wanted velocity
       logical, intent(in) :: active(:)
       integer, intent(in) :: part
       type(consistent_state_t), intent(inout) :: state
 
-      call project(model, c, target, active, part, 1, size(c%hold), state)
+      call project(model, target, active, part, 1, size(model%hold), state)
       call count_work(part, state)
    end subroutine project_all
 
@@ -143,9 +142,8 @@ contains
    !> v += B^T (B B^T)^-1 (u - B v), L += B^T (B J^-1 B^T)^-1 (u - B J^-1 L); work of driven rows:
    !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the
    !> second, the mean of start and end over a whole step. Velocities before the kick: keep_rates.
-   subroutine project(model, c, target, active, part, first, last, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine project(model, target, active, part, first, last, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: target(:)              !! (n_motion) wanted velocity
       logical, intent(in) :: active(:)
       integer, intent(in) :: part                    !! of the step that was kicked: FIRST_HALF, ...
@@ -159,7 +157,7 @@ contains
       do i = first, last
          state%kept%work(:, i, part) = 0.0_wp
          before = state%kept%rates(:, i)
-         associate (hold => c%hold(i))
+         associate (hold => model%hold(i))
             lead = hold%lead
             call rows_of(state, hold%trans(:hold%n_trans), target, active, b, u, drives, n)
             if (n == 3 .and. .not. any(drives)) then
@@ -174,10 +172,10 @@ contains
             if (n == 3 .and. .not. any(drives(:3))) then
                state%l(lead, :) = 0.0_wp
             else
-               call drive(n, b, u, drives, part, before(4:6), inverse_inertia(c, state, lead), &
+               call drive(n, b, u, drives, part, before(4:6), inverse_inertia(model, state, lead), &
                   state%l(lead, :), power)
                state%kept%work(2, i, part) = power
-               if (part == FIRST_HALF .and. n == 1) call lean_back(c, state, lead, b, u)
+               if (part == FIRST_HALF .and. n == 1) call lean_back(model, state, lead, b, u)
             end if
          end associate
       end do
@@ -185,15 +183,15 @@ contains
 
    !> A lead with two free axes: start the drift with half of the rate that its free rotation will
    !> build up along the held axis, with the other sign, so that the mean over the step is u
-   subroutine lean_back(c, state, lead, b, u)
-      type(consistent_model_t), intent(in) :: c
+   subroutine lean_back(model, state, lead, b, u)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
       integer, intent(in) :: lead
       real(wp), intent(in) :: b(3, 3), u(3)
 
       real(wp) :: g(3, 3), w(3), back(3), power
 
-      g = inverse_inertia(c, state, lead)
+      g = inverse_inertia(model, state, lead)
       w = matmul(g, state%l(lead, :))
       back = u
       back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), matmul(g, cross(w, state%l(lead, :))))
@@ -242,8 +240,8 @@ contains
 
    !> Velocities that pass 2 of the joints sees: predicted ones, brought onto the conditions of
    !> holds first..last
-   subroutine project_rates(c, target, active, first, last, state)
-      type(consistent_model_t), intent(in) :: c
+   subroutine project_rates(model, target, active, first, last, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: target(:)
       logical, intent(in) :: active(:)
       integer, intent(in) :: first, last
@@ -254,20 +252,22 @@ contains
       integer :: i, lead, n
 
       do i = first, last
-         lead = c%hold(i)%lead
-         call rows_of(state, c%hold(i)%trans(:c%hold(i)%n_trans), target, active, b, u, drives, n)
+         lead = model%hold(i)%lead
+         call rows_of(state, model%hold(i)%trans(:model%hold(i)%n_trans), target, active, b, u, &
+            drives, n)
          if (n == 3 .and. .not. any(drives)) then
             state%poses%v(lead, :) = 0.0_wp
          else if (n > 0) then
             call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), &
                state%poses%v(lead, :), power)
          end if
-         call rows_of(state, c%hold(i)%rot(:c%hold(i)%n_rot), target, active, b, u, drives, n)
+         call rows_of(state, model%hold(i)%rot(:model%hold(i)%n_rot), target, active, b, u, &
+            drives, n)
          if (n == 3 .and. .not. any(drives)) then
             state%poses%w(lead, :) = 0.0_wp
          else if (n > 0) then
-            g = inverse_inertia(c, state, lead)
-            l = matmul(inertia(c, state, lead), state%poses%w(lead, :))
+            g = inverse_inertia(model, state, lead)
+            l = matmul(inertia(model, state, lead), state%poses%w(lead, :))
             call drive(n, b, u, drives, FIRST_HALF, u, g, l, power)
             state%poses%w(lead, :) = matmul(g, l)
          end if
@@ -315,8 +315,8 @@ contains
       p(:, 3) = e(7:9)
    end function body_matrix
 
-   pure function inertia(c, state, lead) result(j)
-      type(consistent_model_t), intent(in) :: c
+   pure function inertia(model, state, lead) result(j)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: lead
       real(wp) :: j(3, 3)
@@ -324,11 +324,11 @@ contains
       real(wp) :: p(3, 3)
 
       p = body_matrix(state, lead)
-      j = matmul(p*spread(c%i(lead, :), 1, 3), transpose(p))
+      j = matmul(p*spread(model%spin_inertia(lead, :), 1, 3), transpose(p))
    end function inertia
 
-   pure function inverse_inertia(c, state, lead) result(g)
-      type(consistent_model_t), intent(in) :: c
+   pure function inverse_inertia(model, state, lead) result(g)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: lead
       real(wp) :: g(3, 3)
@@ -336,7 +336,7 @@ contains
       real(wp) :: p(3, 3)
 
       p = body_matrix(state, lead)
-      g = matmul(p*spread(1.0_wp/c%i(lead, :), 1, 3), transpose(p))
+      g = matmul(p*spread(1.0_wp/model%spin_inertia(lead, :), 1, 3), transpose(p))
    end function inverse_inertia
 
    !> After the drift: leads with a single free axis e turn about it exactly, by h e.w; a lead with
@@ -344,8 +344,8 @@ contains
    !> stay.
    !>
    !> Attitudes before the drift and angular velocities during it: state%kept
-   subroutine hold_rotations(c, h, target, active, first, last, state)
-      type(consistent_model_t), intent(in) :: c
+   subroutine hold_rotations(model, h, target, active, first, last, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       real(wp), intent(in) :: target(:)              !! (n_motion)
       logical, intent(in) :: active(:)
@@ -357,8 +357,9 @@ contains
       integer :: i, n, lead
 
       do i = first, last
-         lead = c%hold(i)%lead
-         call rows_of(state, c%hold(i)%rot(:c%hold(i)%n_rot), target, active, b, u, drives, n)
+         lead = model%hold(i)%lead
+         call rows_of(state, model%hold(i)%rot(:model%hold(i)%n_rot), target, active, b, u, &
+            drives, n)
          if (n < 2) cycle
          w = state%kept%w(:, i)
          q = to_quaternion(rotation(h*w))
@@ -366,13 +367,13 @@ contains
          turned(1) = q(1)*p(1) - dot_product(q(2:4), p(2:4))
          turned(2:4) = q(1)*p(2:4) + p(1)*q(2:4) + cross(q(2:4), p(2:4))
          state%poses%quat(lead, :) = turned          ! at once: of a lead at rest others look at it
-         state%l(lead, :) = matmul(inertia(c, state, lead), w)
+         state%l(lead, :) = matmul(inertia(model, state, lead), w)
       end do
    end subroutine hold_rotations
 
    !> Force without its components along blocked directions (they do no work)
-   subroutine held_force(c, state, i, f, t)
-      type(consistent_model_t), intent(in) :: c
+   subroutine held_force(model, state, i, f, t)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: i                       !! index of the hold
       real(wp), intent(inout) :: f(3), t(3)
@@ -383,14 +384,15 @@ contains
 
       none = 0.0_wp
       inactive = .false.
-      associate (hold => c%hold(i))
+      associate (hold => model%hold(i))
          call rows_of(state, hold%trans(:hold%n_trans), none, inactive, b, u, drives, n)
          if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), f, power)
          call rows_of(state, hold%rot(:hold%n_rot), none, inactive, b, u, drives, n)
          if (n == 3) then
             t = 0.0_wp
          else if (n > 0) then
-            call drive(n, b, u, drives, FIRST_HALF, u, inverse_inertia(c, state, hold%lead), t, &
+            call drive(n, b, u, drives, FIRST_HALF, u, inverse_inertia(model, state, hold%lead), &
+               t, &
                power)
          end if
       end associate

@@ -15,8 +15,8 @@ module kj_consistent_gather
 contains
 
    !> State, clock and ledger of the scene. All parts must stand at the same time.
-   subroutine gather_parts(c, part, state, march)
-      type(consistent_model_t), intent(in) :: c
+   subroutine gather_parts(model, part, state, march)
+      type(consistent_model_t), intent(in) :: model
       type(part_t), intent(inout) :: part(:)
       type(consistent_state_t), intent(inout) :: state
       type(march_t), intent(inout) :: march
@@ -32,9 +32,9 @@ contains
       state%work = 0.0_wp
       state%energy = 0.0_wp
       do p = 1, size(part)
-         call balance_ledger(part(p)%cut%model, part(p)%c, part(p)%state)
+         call balance_ledger(part(p)%model, part(p)%state)
          call gather_leads(part(p)%cut, part(p)%state, state)
-         call gather_joints(part(p)%cut, c, part(p)%state, state)
+         call gather_joints(part(p)%cut, part(p)%model, model, part(p)%state, state)
          state%work = state%work + part(p)%state%work
          state%energy = state%energy + part(p)%state%energy
       end do
@@ -68,7 +68,7 @@ contains
       type(consistent_state_t), intent(in) :: from
       type(consistent_state_t), intent(inout) :: state
 
-      associate (l => cut%lead, body => cut%lead(:cut%model%n_body))
+      associate (l => cut%lead, body => cut%lead(:size(from%turn, 1)))
          state%poses%x(l, :) = from%poses%x
          state%poses%d(l, :) = from%poses%d
          state%poses%quat(l, :) = from%poses%quat
@@ -85,9 +85,9 @@ contains
       state%skew(cut%skew, :) = from%skew(1:, :)
    end subroutine gather_leads
 
-   subroutine gather_joints(cut, c, from, state)
+   subroutine gather_joints(cut, section, model, from, state)
       type(cut_t), intent(in) :: cut
-      type(consistent_model_t), intent(in) :: c           !! of the scene
+      type(consistent_model_t), intent(in) :: section, model   !! of the part, of the scene
       type(consistent_state_t), intent(in) :: from
       type(consistent_state_t), intent(inout) :: state
 
@@ -96,9 +96,9 @@ contains
       last = 0
       do b = 1, size(cut%batch)
          there = cut%batch(b)
-         associate (n => cut%model%batch(b)%n)
+         associate (n => section%batch(b)%n)
             call gather_batch(from%joint(b), cut%element(last + 1:last + n) - &
-               c%batch(there)%first, c%batch(there)%limited, state%joint(there))
+               model%geometry(there)%first, model%geometry(there)%limited, state%joint(there))
             last = last + n
          end associate
       end do
@@ -141,7 +141,7 @@ contains
 
       n = 0.0_wp
       do p = 1, size(part)
-         n = n + real(part(p)%state%cycle, wp)*part(p)%cut%model%n_joint
+         n = n + real(part(p)%state%cycle, wp)*part(p)%model%n_joint
       end do
    end function joint_cycles
 

@@ -19,7 +19,6 @@ module kj_consistent_impact_step
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: DOF_STICKING
-   use kj_model, only: model_t
    use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
    use kj_consistent_stop, only: stop_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -50,7 +49,7 @@ contains
    !> Fraction of the limit that steps of a scene take: that of its deck; CALM_PART at most where
    !> some joint has a stop and blocked directions of some are hardly damped
    pure real(wp) function step_factor(model) result(factor)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
 
       logical :: stops, rings
       integer :: b
@@ -70,8 +69,8 @@ contains
    end function step_factor
 
    !> Renew what stops and friction ask for, before some steps pass unseen
-   subroutine watch_stops(c, state, h, steps, contact)
-      type(consistent_model_t), intent(in) :: c
+   subroutine watch_stops(model, state, h, steps, contact)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       real(wp), intent(in) :: h                  !! step without them
       integer, intent(in) :: steps               !! until the next look
@@ -82,13 +81,13 @@ contains
 
       ahead = steps*min(h, 1.0e30_wp)
       if (state%time >= contact%until) contact%h_stop = huge(1.0_wp)
-      if (state%cycle == 0) call watch_windup(c, state, h, contact)
+      if (state%cycle == 0) call watch_windup(model, state, h, contact)
       if (state%time >= contact%until_wind) contact%h_wind = huge(1.0_wp)
-      do b = 1, size(c%batch)
-         if (.not. c%batch(b)%limited) cycle
-         do i = 1, c%batch(b)%n
-            if (.not. meets_stop(c%batch(b), state%joint(b), i, MARGIN*ahead)) cycle
-            omega = stop_frequency(c, state, b, i)
+      do b = 1, size(model%geometry)
+         if (.not. model%geometry(b)%limited) cycle
+         do i = 1, model%geometry(b)%n
+            if (.not. meets_stop(model%geometry(b), state%joint(b), i, MARGIN*ahead)) cycle
+            omega = stop_frequency(model, state, b, i)
             if (.not. omega > 0.0_wp) cycle
             contact%h_stop = min(contact%h_stop, FINE/omega)
             contact%until = max(contact%until, state%time + ahead + LASTS/omega)
@@ -98,8 +97,8 @@ contains
    end subroutine watch_stops
 
    !> What friction asks for at the start
-   subroutine watch_windup(c, state, h, contact)
-      type(consistent_model_t), intent(in) :: c
+   subroutine watch_windup(model, state, h, contact)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       real(wp), intent(in) :: h                  !! step without it
       type(contact_t), intent(inout) :: contact
@@ -107,10 +106,10 @@ contains
       real(wp) :: step
       integer :: b, i
 
-      do b = 1, size(c%batch)
-         if (.not. c%batch(b)%limited) cycle
-         do i = 1, c%batch(b)%n
-            step = windup_step(c%batch(b), state%joint(b), i, h)
+      do b = 1, size(model%geometry)
+         if (.not. model%geometry(b)%limited) cycle
+         do i = 1, model%geometry(b)%n
+            step = windup_step(model%geometry(b), state%joint(b), i, h)
             if (step >= h) cycle
             contact%h_wind = min(contact%h_wind, step)
             contact%until_wind = max(contact%until_wind, 1.5_wp*WINDUP*step)
@@ -173,8 +172,8 @@ contains
    end function meets_stop
 
    !> Highest frequency of the stops of joint i of batch b, each for itself
-   real(wp) function stop_frequency(c, state, b, i) result(omega)
-      type(consistent_model_t), intent(in) :: c
+   real(wp) function stop_frequency(model, state, b, i) result(omega)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: b, i
 
@@ -182,8 +181,8 @@ contains
       integer :: dof
 
       omega = 0.0_wp
-      call compliances(c, state, b, i, s)
-      associate (batch => c%batch(b))
+      call compliances(model, state, b, i, s)
+      associate (batch => model%geometry(b))
          do dof = 1, NDOF
             if (.not. (batch%limit%lo(i, dof) < 0.0_wp .or. batch%limit%hi(i, dof) > 0.0_wp)) cycle
             omega = max(omega, sqrt(stop_stiffness(batch, i, dof)*(s(dof, dof, 1) + &

@@ -10,7 +10,6 @@
 module kj_consistent_islands
    use kj_kinds, only: wp
    use kj_sort, only: sort_unique
-   use kj_model, only: model_t
    use kj_islands, only: find_islands, element_leads, island_steps
    use kj_cut_model, only: cut_t, cut_model
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -29,8 +28,8 @@ module kj_consistent_islands
 
    !> One part
    type :: part_t
-      type(cut_t) :: cut                         !! its model, and where that is in the scene
-      type(consistent_model_t) :: c
+      type(cut_t) :: cut                         !! where it is in the scene
+      type(consistent_model_t) :: model
       type(consistent_state_t) :: state
       type(march_t) :: march
    end type part_t
@@ -38,9 +37,8 @@ module kj_consistent_islands
 contains
 
    !> Cut a scene that stands at its start
-   subroutine cut_scene(model, c, whole, n_island, part)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine cut_scene(model, whole, n_island, part)
+      type(consistent_model_t), intent(in) :: model
       type(march_t), intent(in) :: whole         !! march of the scene, started
       integer, intent(out) :: n_island
       !> shortest step first; empty for a scene that is best kept in one
@@ -51,15 +49,15 @@ contains
       integer :: of_element(model%n_element), n, p
       logical :: leads(model%n_lead)
 
-      call find_islands(model, island, n_island)
+      call find_islands(model%model_t, island, n_island)
       allocate (group(0:n_island), source=0)
       n = 0
-      if (n_island > 1) call group_islands(island_steps(model, island, n_island, &
+      if (n_island > 1) call group_islands(island_steps(model%model_t, island, n_island, &
          min(whole%bound%limit, whole%most/whole%factor)), group, n)
       if (n < 2) n = 0                           ! nothing to gain
       allocate (part(n))
       if (n == 0) return
-      ends = element_leads(model)
+      ends = element_leads(model%model_t)
       home = group(island)
       of_element = max(home(ends(1, :)), home(ends(2, :)))
       where (of_element == 0) of_element = n     ! from ground to ground
@@ -70,8 +68,9 @@ contains
             leads = leads .or. home == 0         ! ground that nothing touches
             where (home == 0) home = n
          end if
-         call cut_model(model, leads, home == p, of_element == p, part(p)%cut)
-         call start_part(c, whole, part(p))
+         call cut_model(model%model_t, leads, home == p, of_element == p, part(p)%cut, &
+            part(p)%model%model_t)
+         call start_part(model, whole, part(p))
       end do
    end subroutine cut_scene
 
@@ -97,7 +96,7 @@ contains
 
    !> Leads of a part: those of its islands, and what its joints, loads and conditions touch
    subroutine find_leads(model, group, of_element, ends, p, leads)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: group(:)            !! (n_lead) 0 for ground
       integer, intent(in) :: of_element(:), ends(:, :)
       integer, intent(in) :: p
@@ -136,17 +135,17 @@ contains
 
    !> Constants, first state and first limit of a part. Automatic stiffness of joints stays what the
    !> whole scene gave: islands change the steps, not the scene.
-   subroutine start_part(c, whole, part)
-      type(consistent_model_t), intent(in) :: c
+   subroutine start_part(model, whole, part)
+      type(consistent_model_t), intent(in) :: model
       type(march_t), intent(in) :: whole
       type(part_t), intent(inout) :: part
 
       integer :: b, from
 
-      call build_consistent_model(part%cut%model, part%c)
+      call build_consistent_model(part%model)
       from = 0
-      do b = 1, size(part%c%batch)
-         associate (new => part%c%batch(b), old => c%batch(part%cut%batch(b)))
+      do b = 1, size(part%model%geometry)
+         associate (new => part%model%geometry(b), old => model%geometry(part%cut%batch(b)))
             associate (rows => part%cut%element(from + 1:from + new%n) - old%first)
                from = from + new%n
                new%law = old%law
@@ -156,14 +155,14 @@ contains
             end associate
          end associate
       end do
-      call new_consistent_state(part%cut%model, part%c, part%state)
-      call place_consistent_state(part%cut%model, part%c, part%state)
+      call new_consistent_state(part%model, part%state)
+      call place_consistent_state(part%model, part%state)
       part%march%integrator = whole%integrator
       part%march%nodal = whole%nodal
-      part%march%factor = step_factor(part%cut%model)
+      part%march%factor = step_factor(part%model)
       part%march%most = whole%most
       part%march%first = whole%first
-      call start_march(part%cut%model, part%c, part%state, part%march)
+      call start_march(part%model, part%state, part%march)
    end subroutine start_part
 
    !> Steps of all parts towards t_end, of each at most so many; arrived: all have reached it.
@@ -180,7 +179,7 @@ contains
       logical :: there(size(part)), large(size(part)), worth
       integer :: p
 
-      large = [(part(p)%c%team%threads > 1, p=1, size(part))]
+      large = [(part(p)%model%team%threads > 1, p=1, size(part))]
       do p = 1, size(part)
          if (large(p)) call march_part(p)
       end do
@@ -197,7 +196,7 @@ contains
          integer, intent(in) :: p
 
          associate (a => part(p))
-            call march(a%cut%model, a%c, t_end, steps(p), a%march, a%state, there(p))
+            call march(a%model, t_end, steps(p), a%march, a%state, there(p))
          end associate
       end subroutine march_part
 
@@ -207,7 +206,7 @@ contains
 
          work = 0.0_wp
          do p = 1, size(part)
-            work = work + part(p)%cut%model%n_element*min(real(steps(p), wp), &
+            work = work + part(p)%model%n_element*min(real(steps(p), wp), &
                (t_end - part(p)%state%time)/part(p)%march%limit)
          end do
       end function work

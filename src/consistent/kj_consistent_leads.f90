@@ -4,7 +4,6 @@
 module kj_consistent_leads
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
-   use kj_model, only: model_t
    use kj_lead_map, only: gather_wrenches
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_midpoint, only: midpoint_drift
@@ -20,9 +19,8 @@ contains
 
    !> First half kick and drift of leads lo..hi, with their conditions, and what they need before
    !> the forces of the new pose. lo is the first lead of a block.
-   subroutine move_leads(model, c, midpoint, h, target, active, lo, hi, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine move_leads(model, midpoint, h, target, active, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
       real(wp), intent(in) :: h
       real(wp), intent(in) :: target(:)              !! (n_motion) mean velocities of the step
@@ -34,30 +32,29 @@ contains
 
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
-         first = c%hold_to((from - 1)/BLOCK) + 1
-         last = c%hold_to((to + BLOCK - 1)/BLOCK)
-         call keep_rates(c, first, last, state)
-         call half_kick(model, c, h, from, to, state)
-         call project(model, c, target, active, FIRST_HALF, first, last, state)
-         call half_turn(c, h, from, to, state)
+         first = model%hold_to((from - 1)/BLOCK) + 1
+         last = model%hold_to((to + BLOCK - 1)/BLOCK)
+         call keep_rates(model, first, last, state)
+         call half_kick(model, h, from, to, state)
+         call project(model, target, active, FIRST_HALF, first, last, state)
+         call half_turn(model, h, from, to, state)
          do i = first, last
-            state%kept%quat(:, i) = state%poses%quat(c%hold(i)%lead, :)
-            state%kept%w(:, i) = state%poses%w(c%hold(i)%lead, :)
+            state%kept%quat(:, i) = state%poses%quat(model%hold(i)%lead, :)
+            state%kept%w(:, i) = state%poses%w(model%hold(i)%lead, :)
          end do
          if (midpoint) then
-            call midpoint_drift(c, state, h, from, to)
+            call midpoint_drift(model, state, h, from, to)
          else
-            call drift(c, state, h, from, to)
+            call drift(model, state, h, from, to)
          end if
-         call hold_rotations(c, h, target, active, first, last, state)
-         call open_leads(c, h, from, to, state)
+         call hold_rotations(model, h, target, active, first, last, state)
+         call open_leads(model, h, from, to, state)
       end do
    end subroutine move_leads
 
    !> Half a kick, and half a step of the impulses of joints and of loads on secondary nodes
-   pure subroutine half_kick(model, c, h, lo, hi, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine half_kick(model, h, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
@@ -73,19 +70,19 @@ contains
                0.5_wp*h*(state%t(i, k) - state%own_t(i, k))
          end do
       end do
-      call kick(c, state, h, lo, hi)
+      call kick(model, state, h, lo, hi)
    end subroutine half_kick
 
    !> Angular velocities after the first half kick, and half of the turn that goes with them
-   pure subroutine half_turn(c, h, lo, hi, state)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine half_turn(model, h, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i, k
 
-      call spin_velocity(c, state%poses%quat, state%l, lo, hi, state%poses%w)
+      call spin_velocity(model, state%poses%quat, state%l, lo, hi, state%poses%w)
       do k = 1, 3
          !$omp simd
          do i = lo, hi
@@ -97,15 +94,15 @@ contains
    end subroutine half_turn
 
    !> Angular velocities in the pose reached, the other half of the turn, and no forces yet
-   pure subroutine open_leads(c, h, lo, hi, state)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine open_leads(model, h, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i, k
 
-      call spin_velocity(c, state%poses%quat, state%l, lo, hi, state%poses%w)
+      call spin_velocity(model, state%poses%quat, state%l, lo, hi, state%poses%w)
       do k = 1, 3
          !$omp simd
          do i = lo, hi
@@ -121,8 +118,8 @@ contains
 
    !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
    !> inertias
-   subroutine look_leads(c, h, target, active, lo, hi, state)
-      type(consistent_model_t), intent(in) :: c
+   subroutine look_leads(model, h, target, active, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
       logical, intent(in) :: active(:)
@@ -133,18 +130,17 @@ contains
 
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
-         first = c%hold_to((from - 1)/BLOCK) + 1
-         last = c%hold_to((to + BLOCK - 1)/BLOCK)
-         call predict(c, h, from, to, state)
-         call project_rates(c, target, active, first, last, state)
-         call inverse_inertias(c, state%poses%quat, from, to, state%poses%ij)
+         first = model%hold_to((from - 1)/BLOCK) + 1
+         last = model%hold_to((to + BLOCK - 1)/BLOCK)
+         call predict(model, h, from, to, state)
+         call project_rates(model, target, active, first, last, state)
+         call inverse_inertias(model, state%poses%quat, from, to, state%poses%ij)
       end do
    end subroutine look_leads
 
    !> Second half kick of leads lo..hi and the sum of turns
-   subroutine kick_leads(model, c, h, target, active, lo, hi, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine kick_leads(model, h, target, active, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
       logical, intent(in) :: active(:)
@@ -155,11 +151,11 @@ contains
 
       do from = lo, hi, BLOCK
          to = min(from + BLOCK - 1, hi)
-         first = c%hold_to((from - 1)/BLOCK) + 1
-         last = c%hold_to((to + BLOCK - 1)/BLOCK)
-         call keep_rates(c, first, last, state)
-         call half_kick(model, c, h, from, to, state)
-         call project(model, c, target, active, SECOND_HALF, first, last, state)
+         first = model%hold_to((from - 1)/BLOCK) + 1
+         last = model%hold_to((to + BLOCK - 1)/BLOCK)
+         call keep_rates(model, first, last, state)
+         call half_kick(model, h, from, to, state)
+         call project(model, target, active, SECOND_HALF, first, last, state)
          to = min(to, model%n_body)
          do k = 1, 3
             state%turn(from:to, k) = state%turn(from:to, k) + state%poses%psi(from:to, k)
@@ -169,7 +165,7 @@ contains
 
    !> Add the wrenches of the joints to the leads lo..hi, at most BLOCK
    pure subroutine gather(model, ready, round, lo, hi, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: ready(:)                !! (parts of hubs) summed
       integer, intent(in) :: round                   !! of their sums
       integer, intent(in) :: lo, hi

@@ -4,7 +4,7 @@ module kj_consistent_load
    use kj_kinds, only: wp
    use kj_math3, only: cross
    use kj_curve, only: load_value
-   use kj_model, only: model_t, load_t, BY_TIME, BY_DISPLACEMENT
+   use kj_model, only: load_t, BY_TIME, BY_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_gravity, only: add_weights, add_powers
@@ -17,7 +17,7 @@ contains
 
    !> Concentrated loads at t, and their work over the step: mean force times displacement
    subroutine add_loads(model, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       real(wp) :: force(3), x(3), arm(3)
@@ -55,7 +55,7 @@ contains
 
    !> Force or moment of a load on a node at `arm` from its lead
    pure function load_vector(model, state, load, lead, arm) result(force)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(load_t), intent(in) :: load
       integer, intent(in) :: lead
@@ -80,7 +80,7 @@ contains
 
    !> Acceleration of each card of gravity in the pose reached, and its mean over the step
    pure subroutine find_gravity(model, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       real(wp) :: g(3)
@@ -94,9 +94,8 @@ contains
    end subroutine find_gravity
 
    !> Gravity as a force on the leads lo..hi; lo is the first lead of a block of kj_gravity
-   pure subroutine add_gravity(model, c, lo, hi, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine add_gravity(model, lo, hi, state)
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
@@ -104,29 +103,28 @@ contains
 
       do i = 1, size(model%gravity)
          call add_weights(lo, hi, model%n_lead, model%mass, state%field(i), state%f, state%own_f)
-         if (c%steady(i) .or. .not. state%by_steps) cycle
+         if (model%steady(i) .or. .not. state%by_steps) cycle
          call add_powers(lo, hi, model%n_lead, model%n_lead, model%mass, state%v, state%field(i))
       end do
    end subroutine add_gravity
 
    !> The work over the step of gravity that changes counts as external
-   pure subroutine count_gravity(c, h, state)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine count_gravity(model, h, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i
 
       if (.not. state%by_steps) return
-      do i = 1, size(c%steady)
-         if (.not. c%steady(i)) state%work = state%work + h*sum(state%field(i)%power)
+      do i = 1, size(model%steady)
+         if (.not. model%steady(i)) state%work = state%work + h*sum(state%field(i)%power)
       end do
    end subroutine count_gravity
 
    !> Power of concentrated loads and of a changing field, with the velocities of the poses
-   real(wp) function load_power(model, c, state) result(power)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   real(wp) function load_power(model, state) result(power)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
       integer :: i, k, entry, lead
@@ -150,7 +148,7 @@ contains
       if (allocated(state%f_host)) power = power + sum(state%f_host*state%poses%v) + &
          sum(state%t_host*state%poses%w)
       do i = 1, size(model%gravity)
-         if (c%steady(i)) cycle
+         if (model%steady(i)) cycle
          do k = 1, size(model%gravity(i)%node)
             lead = model%gravity(i)%node(k)
             power = power + model%mass(lead)*dot_product(state%field(i)%now, state%poses%v(lead, :))
@@ -160,7 +158,7 @@ contains
 
    !> Acceleration of a gravity card now, W; zero while its sensor is silent
    pure function field_at(model, state, load) result(g)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(load_t), intent(in) :: load
       real(wp) :: g(3)

@@ -3,7 +3,6 @@
 !> Source: docs/theory/time_step.md 9; the ledger: docs/theory/consistent.md 13.
 module kj_consistent_march
    use kj_kinds, only: wp
-   use kj_model, only: model_t
    use kj_skew, only: axis_of
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE
    use kj_joint_types, only: CHART_VECTOR
@@ -55,32 +54,30 @@ module kj_consistent_march
 contains
 
    !> Find the first limit, and the ledger at the start
-   subroutine start_march(model, c, state, self)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine start_march(model, state, self)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
       type(march_t), intent(inout) :: self
 
       state%by_steps = self%integrator /= RKMK4
       self%left = 0
-      call new_bound(model, c, .not. state%by_steps, state, self%bound)
-      call take_limit(model, c, state, self)
+      call new_bound(model, .not. state%by_steps, state, self%bound)
+      call take_limit(model, state, self)
       if (self%limit >= self%most .or. self%integrator == RKMK4) return
       self%start_end = state%time + START_SPAN*self%limit/self%factor
-      call take_limit(model, c, state, self)
+      call take_limit(model, state, self)
    end subroutine start_march
 
    !> The longest step now: factor of the limit, less at the start, or what the deck allows
-   subroutine take_limit(model, c, state, self)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine take_limit(model, state, self)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(march_t), intent(inout) :: self
 
       real(wp) :: h
 
       h = self%bound%h
-      if (self%nodal) call nodal_bound(model, c, state, h)
+      if (self%nodal) call nodal_bound(model, state, h)
       self%limit = self%most
       self%joint = 0
       self%starting = state%time < self%start_end
@@ -92,9 +89,8 @@ contains
 
    !> Steps towards t_end, at most `steps` of them; arrived: t_end is reached. The next call with
    !> the same t_end goes on as if it were the same one.
-   subroutine march(model, c, t_end, steps, self, state, arrived)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine march(model, t_end, steps, self, state, arrived)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: t_end
       integer, intent(in) :: steps
       type(march_t), intent(inout) :: self
@@ -107,35 +103,34 @@ contains
       if (arrived) return
       if (self%left == 0 .or. abs(t_end - self%t_end) > 0.0_wp) then
          if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
-            call change_step(model, c, self%first, state)
-            call take_steps(model, c, self%integrator, self%first, 1, state)
+            call change_step(model, self%first, state)
+            call take_steps(model, self%integrator, self%first, 1, state)
          end if
          self%t_end = t_end
          self%since = 0
-         call watch_stops(c, state, self%limit, LOOK, self%contact)
-         call divide_way(model, c, self, state)
+         call watch_stops(model, state, self%limit, LOOK, self%contact)
+         call divide_way(model, self, state)
       end if
       left = steps
       do while (left > 0)
          now = min(left, self%left, LOOK - self%since)
-         call take_steps(model, c, self%integrator, self%h, now, state)
+         call take_steps(model, self%integrator, self%h, now, state)
          left = left - now
          self%left = self%left - now
          self%since = self%since + now
          arrived = self%left == 0
          if (arrived) exit
-         if (self%since == LOOK) call look_ahead(model, c, self, state)
+         if (self%since == LOOK) call look_ahead(model, self, state)
       end do
       if (.not. arrived) return
       state%time = t_end
-      call renew_bound(c, state, self%bound)
-      call take_limit(model, c, state, self)
+      call renew_bound(model, state, self%bound)
+      call take_limit(model, state, self)
    end subroutine march
 
    !> Do the steps still hold where the scene is now?
-   subroutine look_ahead(model, c, self, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine look_ahead(model, self, state)
+      type(consistent_model_t), intent(in) :: model
       type(march_t), intent(inout) :: self
       type(consistent_state_t), intent(inout) :: state
 
@@ -143,32 +138,30 @@ contains
       logical :: renew
 
       self%since = 0
-      renew = has_moved(c, state, self%bound) .or. &
+      renew = has_moved(model, state, self%bound) .or. &
          (self%starting .and. state%time >= self%start_end)
       contact_h = self%contact%h
-      call watch_stops(c, state, self%limit, LOOK, self%contact)
+      call watch_stops(model, state, self%limit, LOOK, self%contact)
       if (.not. renew .and. abs(self%contact%h - contact_h) <= 0.0_wp) return
-      if (renew) call renew_bound(c, state, self%bound)
-      if (renew) call take_limit(model, c, state, self)
-      call divide_way(model, c, self, state)
+      if (renew) call renew_bound(model, state, self%bound)
+      if (renew) call take_limit(model, state, self)
+      call divide_way(model, self, state)
    end subroutine look_ahead
 
    !> Equal steps to where the march goes
-   subroutine divide_way(model, c, self, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine divide_way(model, self, state)
+      type(consistent_model_t), intent(in) :: model
       type(march_t), intent(inout) :: self
       type(consistent_state_t), intent(inout) :: state
 
       self%left = needed_steps(self%t_end - state%time, min(self%limit, self%contact%h))
       self%h = (self%t_end - state%time)/self%left
-      call change_step(model, c, self%h, state)
+      call change_step(model, self%h, state)
    end subroutine divide_way
 
    !> n steps of h
-   subroutine take_steps(model, c, integrator, h, n, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine take_steps(model, integrator, h, n, state)
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: integrator
       real(wp), intent(in) :: h
       integer, intent(in) :: n
@@ -178,29 +171,29 @@ contains
 
       if (integrator == RKMK4) then
          do i = 1, n
-            call rkmk_step(model, c, h, state)
+            call rkmk_step(model, h, state)
          end do
       else
-         call split_steps(model, c, integrator == LIEMID, h, n, state)
+         call split_steps(model, integrator == LIEMID, h, n, state)
       end if
    end subroutine take_steps
 
    !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
    !> ends, and that has something that hangs on them; 0 when there is none
-   pure integer function full_turn(c, state) result(joint)
-      type(consistent_model_t), intent(in) :: c
+   pure integer function full_turn(model, state) result(joint)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
       real(wp), parameter :: NEAR = 6.2_wp           !! a little less than 2 pi [rad]
       integer :: b, i
 
-      do b = 1, size(c%batch)
-         if (c%batch(b)%chart /= CHART_VECTOR) cycle
+      do b = 1, size(model%geometry)
+         if (model%geometry(b)%chart /= CHART_VECTOR) cycle
          associate (q => state%joint(b)%q)
-            do i = 1, c%batch(b)%n
+            do i = 1, model%geometry(b)%n
                if (.not. q(i, 4)**2 + q(i, 5)**2 + q(i, 6)**2 > NEAR**2) cycle
-               joint = c%batch(b)%first + i
-               if (needs_angles(c%batch(b), i)) return
+               joint = model%geometry(b)%first + i
+               if (needs_angles(model%geometry(b), i)) return
             end do
          end associate
       end do
@@ -229,36 +222,34 @@ contains
    end function needed_steps
 
    !> A new step moves the h^2/8 term of the ledger: keep S where it is
-   subroutine change_step(model, c, h, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine change_step(model, h, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
       if (abs(h - state%h) <= 0.0_wp) return
-      state%offset = state%offset + (h**2 - state%h**2)/8.0_wp*kick_term(model, c, state)
+      state%offset = state%offset + (h**2 - state%h**2)/8.0_wp*kick_term(model, state)
       state%h = h
    end subroutine change_step
 
    !> Sum over leads of F.F/m + T.J^-1 T, without what conditions take
-   real(wp) function kick_term(model, c, state) result(q)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   real(wp) function kick_term(model, state) result(q)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
       real(wp) :: part((model%n_lead + BLOCK - 1)/BLOCK)
       integer :: b
 
-      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
+      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1)
       do b = 1, size(part)
-         part(b) = kick_of(c, state, BLOCK*(b - 1) + 1, min(BLOCK*b, model%n_lead))
+         part(b) = kick_of(model, state, BLOCK*(b - 1) + 1, min(BLOCK*b, model%n_lead))
       end do
       q = sum(part)
    end function kick_term
 
    !> The same of leads lo..hi, a block or less
-   real(wp) function kick_of(c, state, lo, hi) result(q)
-      type(consistent_model_t), intent(in) :: c
+   real(wp) function kick_of(model, state, lo, hi) result(q)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: lo, hi
 
@@ -272,25 +263,25 @@ contains
       do i = 1, n
          f = state%f(lo + i - 1, :)
          t = state%t(lo + i - 1, :)
-         if (c%hold_of(lo + i - 1) > 0) call held_force(c, state, c%hold_of(lo + i - 1), f, t)
-         q = q + c%im(lo + i - 1)*dot_product(f, f)
+         if (model%hold_of(lo + i - 1) > 0) call held_force(model, state, model%hold_of(lo + &
+            i - 1), f, t)
+         q = q + model%inverse_mass(lo + i - 1)*dot_product(f, f)
          do k = 1, 3
-            q = q + c%ii(lo + i - 1, k)*dot_product(e(i, 3*k - 2:3*k), t)**2
+            q = q + model%inverse_inertia(lo + i - 1, k)*dot_product(e(i, 3*k - 2:3*k), t)**2
          end do
       end do
    end function kick_of
 
    !> Ledger S = kinetic + work on joints + potential - external work - h^2/8 kick term, and its
    !> change since the start over the largest kinetic + elastic + |work| so far
-   subroutine balance_ledger(model, c, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine balance_ledger(model, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       real(wp) :: kinetic, joints, s
       integer :: b
 
-      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       kinetic = 0.5_wp*(sum(model%mass*sum(state%v**2, dim=2)) + sum(state%l*state%poses%w))
       joints = 0.0_wp
       state%energy = 0.0_wp
@@ -299,11 +290,11 @@ contains
          joints = joints + sum(state%joint(b)%elastic) + sum(state%joint(b)%dissipated)
       end do
       state%energy = kinetic + state%energy
-      s = kinetic + joints + potential(model, c, state) - state%work
-      if (state%by_steps) s = s - state%h**2/8.0_wp*kick_term(model, c, state) + state%offset
+      s = kinetic + joints + potential(model, state) - state%work
+      if (state%by_steps) s = s - state%h**2/8.0_wp*kick_term(model, state) + state%offset
       if (state%cycle == 0) then
          state%s0 = s
-         state%scale = energy_of_rounding(c, state)
+         state%scale = energy_of_rounding(model, state)
       end if
       call close_ledger(s - state%s0, state)
    end subroutine balance_ledger
@@ -321,8 +312,8 @@ contains
 
    !> Energy of joints strained by a thousand times the rounding of coordinates: below it an energy
    !> means nothing, and a scene at rest has no other.
-   pure real(wp) function energy_of_rounding(c, state) result(u)
-      type(consistent_model_t), intent(in) :: c
+   pure real(wp) function energy_of_rounding(model, state) result(u)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
       real(wp), parameter :: STRAIN = 1.0e3_wp*epsilon(1.0_wp)
@@ -330,10 +321,11 @@ contains
       integer :: b, i
 
       u = 0.0_wp
-      do b = 1, size(c%batch)
-         associate (k => c%batch(b)%k, lead => c%batch(b)%lead)
-            do i = 1, c%batch(b)%n
-               reach = maxval(abs(state%poses%x(lead(i, :), :))) + maxval(abs(c%batch(b)%arm(i, :)))
+      do b = 1, size(model%geometry)
+         associate (k => model%geometry(b)%k, lead => model%geometry(b)%lead)
+            do i = 1, model%geometry(b)%n
+               reach = maxval(abs(state%poses%x(lead(i, :), :))) + &
+                  maxval(abs(model%geometry(b)%arm(i, :)))
                u = u + 0.5_wp*STRAIN**2*(reach**2*sum(abs(k(i, 1:3))) + sum(abs(k(i, 4:6))))
             end do
          end associate
@@ -341,9 +333,8 @@ contains
    end function energy_of_rounding
 
    !> Potential of constant gravity, 0 at the start
-   pure real(wp) function potential(model, c, state) result(u)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   pure real(wp) function potential(model, state) result(u)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
       real(wp) :: g(3)
@@ -351,7 +342,7 @@ contains
 
       u = 0.0_wp
       do i = 1, size(model%gravity)
-         if (.not. c%steady(i)) cycle
+         if (.not. model%steady(i)) cycle
          g = field_at(model, state, model%gravity(i))
          do k = 1, size(model%gravity(i)%node)
             lead = model%gravity(i)%node(k)

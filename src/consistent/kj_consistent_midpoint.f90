@@ -16,8 +16,8 @@ module kj_consistent_midpoint
 contains
 
    !> x += h v and the turn of leads lo..hi over h
-   subroutine midpoint_drift(c, state, h, lo, hi)
-      type(consistent_model_t), intent(in) :: c
+   subroutine midpoint_drift(model, state, h, lo, hi)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
@@ -30,7 +30,7 @@ contains
          state%poses%d(i, :) = state%poses%d(i, :) + h*state%v(i, :)
          q = state%poses%quat(i, :)
          l = matmul(state%l(i, :), reshape(columns(q), [3, 3]))
-         psi = midpoint_turn(c%ii(i, :), l, h)
+         psi = midpoint_turn(model%inverse_inertia(i, :), l, h)
          a = 0.25_wp*dot_product(psi, psi)
          call turn_coefficients(1, [a], s, k)
          p(1) = 1.0_wp - a*k(1)

@@ -5,7 +5,6 @@ module kj_consistent_nodal_step
    use kj_lapack, only: largest_eigenvalue
    use kj_joint_batch, only: joint_state_t, LAW_SPRING_CURVE
    use kj_nodal_stiffness, only: start_stiffness, step_stiffness
-   use kj_model, only: model_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_conditions, only: body_matrix
    use kj_consistent_safe_step, only: bound_t
@@ -19,9 +18,8 @@ contains
 
    !> Stiffness that the joints show to the nodal rule at each lead.
    !> Source: docs/theory/time_step.md 6.
-   subroutine nodal_stiffness(model, c, state, kn, kr)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine nodal_stiffness(model, state, kn, kr)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       real(wp), intent(out) :: kn(:), kr(:)      !! (n_lead)
 
@@ -32,39 +30,39 @@ contains
       kn = 0.0_wp
       kr = 0.0_wp
       do b = 1, size(model%batch)
-         times = merge(1.0_wp, 2.0_wp, c%batch(b)%spring)
+         times = merge(1.0_wp, 2.0_wp, model%geometry(b)%spring)
          if (allocated(legacy%stiff)) deallocate (legacy%stiff)
          allocate (legacy%stiff(model%batch(b)%n, 2), source=0.0_wp)
          call start_stiffness(model%batch(b), legacy)
          do i = 1, model%batch(b)%n
-            if (c%batch(b)%limited .or. any(c%batch(b)%law >= LAW_SPRING_CURVE)) then
-               k = largest_stiffness(model%curves, c%batch(b), i)
+            if (model%geometry(b)%limited .or. any(model%geometry(b)%law >= LAW_SPRING_CURVE)) then
+               k = largest_stiffness(model%curves, model%geometry(b), i)
                call step_stiffness(2, [maxval(k(1:3)), maxval(k(4:6))], &
                   model%batch(b)%c_top(i, :), [model%batch(b)%cr(i), model%batch(b)%cr(i)], &
                   model%batch(b)%reduced(i, :), legacy%stiff(i, :))
             end if
             st = legacy%stiff(i, 1)
-            sr = legacy%stiff(i, 2) + st*sum((c%batch(b)%xl0(i, :) + state%joint(b)%q(i, 1:3))**2)
+            sr = legacy%stiff(i, 2) + st*sum((model%geometry(b)%xl0(i, :) + state%joint(b)%q(i, &
+               1:3))**2)
             do e = 1, 2
-               lead = c%batch(b)%lead(i, e)
+               lead = model%geometry(b)%lead(i, e)
                kn(lead) = kn(lead) + times*st
-               kr(lead) = kr(lead) + sr + times*st*sum(c%batch(b)%arm(i, 3*e - 2:3*e)**2)
+               kr(lead) = kr(lead) + sr + times*st*sum(model%geometry(b)%arm(i, 3*e - 2:3*e)**2)
             end do
          end do
       end do
    end subroutine nodal_stiffness
 
    !> The nodal rule: min over leads of sqrt(2 m/k_n), sqrt(2 I/k_r)
-   subroutine nodal_bound(model, c, state, h)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine nodal_bound(model, state, h)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       real(wp), intent(out) :: h
 
       real(wp) :: kn(model%n_lead), kr(model%n_lead)
       integer :: i
 
-      call nodal_stiffness(model, c, state, kn, kr)
+      call nodal_stiffness(model, state, kn, kr)
       h = huge(1.0_wp)
       do i = 1, model%n_lead
          if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = min(h, &
@@ -75,9 +73,8 @@ contains
    end subroutine nodal_bound
 
    !> The exact limit 2/omega of the assembled scene; 0 when it has more than `most` dofs
-   subroutine exact_bound(model, c, state, bound, most, h)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine exact_bound(model, state, bound, most, h)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(bound_t), intent(in) :: bound
       integer, intent(in) :: most
@@ -90,16 +87,16 @@ contains
       h = 0.0_wp
       if (6*model%n_lead > most) return
       allocate (a(6*model%n_lead, 6*model%n_lead), source=0.0_wp)
-      do b = 1, size(c%batch)
-         do i = 1, c%batch(b)%n
-            j = c%batch(b)%first + i
+      do b = 1, size(model%geometry)
+         do i = 1, model%geometry(b)%n
+            j = model%geometry(b)%first + i
             do e = 1, 2
-               at(e) = c%batch(b)%lead(i, e)
-               rows(:, 6*e - 5:6*e) = rows_of_end(c%batch(b), state, b, i, e)
+               at(e) = model%geometry(b)%lead(i, e)
+               rows(:, 6*e - 5:6*e) = rows_of_end(model%geometry(b), state, b, i, e)
                p = body_matrix(state, at(e))
-               rows(:, 6*e - 5:6*e - 3) = rows(:, 6*e - 5:6*e - 3)*sqrt(c%im(at(e)))
+               rows(:, 6*e - 5:6*e - 3) = rows(:, 6*e - 5:6*e - 3)*sqrt(model%inverse_mass(at(e)))
                rows(:, 6*e - 2:6*e) = matmul(rows(:, 6*e - 2:6*e), p)* &
-                  spread(sqrt(c%ii(at(e), :)), 1, 6)
+                  spread(sqrt(model%inverse_inertia(at(e), :)), 1, 6)
             end do
             do k = 1, 6
                rows(k, :) = rows(k, :)*sqrt(bound%k(k, j))

@@ -63,8 +63,8 @@ contains
    end function steepest
 
    !> B_b M_b^-1 B_b^T of joint i of batch b, for both ends
-   subroutine compliances(c, state, b, i, s)
-      type(consistent_model_t), intent(in) :: c
+   subroutine compliances(model, state, b, i, s)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: b, i
       real(wp), intent(out) :: s(6, 6, 2)
@@ -73,12 +73,13 @@ contains
       integer :: e, lead
 
       do e = 1, 2
-         lead = c%batch(b)%lead(i, e)
-         rows = rows_of_end(c%batch(b), state, b, i, e)
-         g = c%im(lead)
+         lead = model%geometry(b)%lead(i, e)
+         rows = rows_of_end(model%geometry(b), state, b, i, e)
+         g = model%inverse_mass(lead)
          s(:, :, e) = matmul(rows(:, 1:3), transpose(rows(:, 1:3)))*g
          rows(:, 4:6) = matmul(rows(:, 4:6), body_matrix(state, lead))
-         s(:, :, e) = s(:, :, e) + matmul(rows(:, 4:6)*spread(c%ii(lead, :), 1, 6), &
+         s(:, :, e) = s(:, :, e) + matmul(rows(:, 4:6)*spread(model%inverse_inertia(lead, :), 1, &
+            6), &
             transpose(rows(:, 4:6)))
       end do
    end subroutine compliances

@@ -5,7 +5,6 @@ module kj_consistent_rkmk
    use kj_kinds, only: wp
    use kj_math3, only: cross
    use kj_block, only: BLOCK
-   use kj_model, only: model_t
    use kj_consistent_dampers, only: count_damping
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: spin_velocity, turn_in_space
@@ -28,9 +27,8 @@ module kj_consistent_rkmk
 contains
 
    !> From t to t + h. Forces at t must be there (as after any step).
-   subroutine rkmk_step(model, c, h, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine rkmk_step(model, h, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
@@ -52,31 +50,31 @@ contains
       time = state%time
       work = state%work
       call motion_targets(model, state, h, mean, final, active)
-      call keep_rates(c, 1, size(c%hold), state)
+      call keep_rates(model, 1, size(model%hold), state)
       call zero(model%n_lead, total)
       call zero(model%n_lead, stage)
       do s = 1, 4
          if (s > 1) then
-            call move(model, c, h*NODE(s), x, d, quat, v, l, stage, state)
+            call move(model, h*NODE(s), x, d, quat, v, l, stage, state)
             state%time = time
-            call hold_stage(model, c, h*NODE(s), time, state, there)
-            call find_forces(model, c, 0.0_wp, there, active, state)
+            call hold_stage(model, h*NODE(s), time, state, there)
+            call find_forces(model, 0.0_wp, there, active, state)
          end if
-         call take_rates(model, c, h*WEIGHT(s), h*NODE(s), state, work, stage)
+         call take_rates(model, h*WEIGHT(s), h*NODE(s), state, work, stage)
          call add(WEIGHT(s), stage, total)
       end do
-      call move(model, c, h, x, d, quat, v, l, total, state)
+      call move(model, h, x, d, quat, v, l, total, state)
       state%cycle = state%cycle + 1
       state%time = time + h
       state%work = work
-      call project_all(model, c, final, active, WHOLE, state)
+      call project_all(model, final, active, WHOLE, state)
       work = state%work
       call reach_motions(model, h, mean, final, active, state)
       state%poses%v = state%v
-      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       state%poses%psi = h*total%turn
       state%turn = state%turn + state%poses%psi(:model%n_body, :)
-      call find_forces(model, c, 0.0_wp, final, active, state)
+      call find_forces(model, 0.0_wp, final, active, state)
       state%work = work
    end subroutine rkmk_step
 
@@ -99,9 +97,8 @@ contains
    end subroutine add
 
    !> State at t plus h times the rates
-   subroutine move(model, c, h, x, d, quat, v, l, rates, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine move(model, h, x, d, quat, v, l, rates, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       real(wp), intent(in) :: x(:, :), d(:, :), quat(:, :), v(:, :), l(:, :)
       type(rates_t), intent(in) :: rates
@@ -123,13 +120,12 @@ contains
          state%poses%quat(from:to, :) = q(:n, :)/spread(norm2(q(:n, :), dim=2), 2, 4)
       end do
       state%poses%v = state%v
-      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
    end subroutine move
 
    !> Conditions and drives on the velocities of a stage
-   subroutine hold_stage(model, c, h, time, state, target)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine hold_stage(model, h, time, state, target)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h                      !! from the start of the step to the stage
       real(wp), intent(in) :: time
       type(consistent_state_t), intent(inout) :: state
@@ -140,17 +136,16 @@ contains
 
       call motion_targets(model, state, h, mean, target, active)
       state%time = time + h
-      call project_all(model, c, target, active, WHOLE, state)
+      call project_all(model, target, active, WHOLE, state)
       state%poses%v = state%v
-      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
    end subroutine hold_stage
 
    !> Rates of a stage; its share of the work of loads and of what the dampers take.
    !>
    !> The turn since the start is u: u' = w - u x w/2 + u x (u x w)/12
-   subroutine take_rates(model, c, share, since, state, work, stage)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine take_rates(model, share, since, state, work, stage)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: share, since
       type(consistent_state_t), intent(inout) :: state
       real(wp), intent(inout) :: work
@@ -160,16 +155,16 @@ contains
       integer :: i, b
 
       state%poses%v = state%v
-      call spin_velocity(c, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
-      do b = 1, size(c%batch)
-         if (.not. c%batch(b)%damped) cycle
-         do i = 1, c%batch(b)%n, BLOCK
-            call count_damping(c%batch(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
-               min(BLOCK, c%batch(b)%n - i + 1), state%joint(b)%b(:, :, (i - 1)/BLOCK + 1), &
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      do b = 1, size(model%geometry)
+         if (.not. model%geometry(b)%damped) cycle
+         do i = 1, model%geometry(b)%n, BLOCK
+            call count_damping(model%geometry(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
+               min(BLOCK, model%geometry(b)%n - i + 1), state%joint(b)%b(:, :, (i - 1)/BLOCK + 1), &
                state%joint(b))
          end do
       end do
-      work = work + share*load_power(model, c, state)
+      work = work + share*load_power(model, state)
       associate (n => model%n_body)
          state%impulse = state%impulse + share*(state%f(:n, :) - state%own_f(:n, :))
          state%angular_impulse = state%angular_impulse + share*(state%t(:n, :) - state%own_t(:n, :))
@@ -179,7 +174,7 @@ contains
          w = state%poses%w(i, :)
          stage%x(i, :) = state%v(i, :)
          stage%turn(i, :) = w - 0.5_wp*cross(u, w) + cross(u, cross(u, w))/12.0_wp
-         stage%v(i, :) = c%im(i)*state%f(i, :)
+         stage%v(i, :) = model%inverse_mass(i)*state%f(i, :)
          stage%l(i, :) = state%t(i, :)
       end do
    end subroutine take_rates

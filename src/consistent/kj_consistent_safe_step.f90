@@ -10,7 +10,6 @@ module kj_consistent_safe_step
    use kj_kinds, only: wp
    use kj_math3, only: cross
    use kj_joint_batch, only: LAW_DAMPER_CURVE
-   use kj_model, only: model_t
    use kj_block, only: BLOCK
    use kj_joint_types, only: CHART_VECTOR, CHART_LINE
    use kj_consistent_batch, only: consistent_batch_t, matrix_of, N_B
@@ -50,9 +49,8 @@ module kj_consistent_safe_step
 contains
 
    !> Stiffnesses and shares, and the bound in the present pose
-   subroutine new_bound(model, c, explicit, state, bound)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine new_bound(model, explicit, state, bound)
+      type(consistent_model_t), intent(in) :: model
       !> Runge-Kutta of fourth order with explicit damping
       logical, intent(in) :: explicit
       type(consistent_state_t), intent(inout) :: state    !! of the poses the inverse inertias
@@ -65,16 +63,17 @@ contains
          bound%limit(model%n_element))
       allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), source=0.0_wp)
       if (explicit) allocate (bound%c(6, model%n_element))
-      if (any(c%batch%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
-      do b = 1, size(c%batch)
-         do i = 1, c%batch(b)%n
-            j = c%batch(b)%first + i
-            bound%k(:, j) = largest_stiffness(model%curves, c%batch(b), i)
-            if (c%batch(b)%chart == CHART_LINE) &
-               bound%k(2:3, j) = tension(c%batch(b), state, b, i, bound%k(1, j))
-            if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, c%batch(b)%law, &
-               c%batch(b)%c(i, :), curves_of(c%batch(b)%c_curve, i))
-            call compliances(c, state, b, i, s)
+      if (any(model%geometry%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
+      do b = 1, size(model%geometry)
+         do i = 1, model%geometry(b)%n
+            j = model%geometry(b)%first + i
+            bound%k(:, j) = largest_stiffness(model%curves, model%geometry(b), i)
+            if (model%geometry(b)%chart == CHART_LINE) &
+               bound%k(2:3, j) = tension(model%geometry(b), state, b, i, bound%k(1, j))
+            if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, &
+               model%geometry(b)%law, &
+               model%geometry(b)%c(i, :), curves_of(model%geometry(b)%c_curve, i))
+            call compliances(model, state, b, i, s)
             do e = 1, 2
                bound%share(e, j) = eigenvalue(bound%k(:, j), s(:, :, e))
             end do
@@ -83,60 +82,60 @@ contains
       lambda = 1.0_wp
       do sweep = 0, SWEEPS
          total = 0.0_wp
-         call add_up(c, bound, lambda, total)
-         call divide(c, bound, lambda, total)
-         call eigenvalues_from_blocks(c, bound, state, lambda)
+         call add_up(model, bound, lambda, total)
+         call divide(model, bound, lambda, total)
+         call eigenvalues_from_blocks(model, bound, state, lambda)
       end do
-      call eigenvalues(c, state, bound, lambda)
+      call eigenvalues(model, state, bound, lambda)
       call take(bound, lambda)
-      call keep_pose(c, state, bound)
+      call keep_pose(model, state, bound)
    end subroutine new_bound
 
    !> The bound in the present pose with the shares as they are, from below by at most 0.4 %
-   subroutine renew_bound(c, state, bound)
-      type(consistent_model_t), intent(in) :: c
+   subroutine renew_bound(model, state, bound)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state    !! of the poses the inverse inertias
       type(bound_t), intent(inout) :: bound
 
       real(wp) :: lambda(size(bound%limit))
       integer :: b, i
 
-      do b = 1, size(c%batch)
-         if (c%batch(b)%chart /= CHART_LINE) cycle
-         do i = 1, c%batch(b)%n
-            associate (k => bound%k(:, c%batch(b)%first + i))
-               k(2:3) = tension(c%batch(b), state, b, i, k(1))
+      do b = 1, size(model%geometry)
+         if (model%geometry(b)%chart /= CHART_LINE) cycle
+         do i = 1, model%geometry(b)%n
+            associate (k => bound%k(:, model%geometry(b)%first + i))
+               k(2:3) = tension(model%geometry(b), state, b, i, k(1))
             end associate
          end do
       end do
-      call eigenvalues_from_blocks(c, bound, state, lambda)
+      call eigenvalues_from_blocks(model, bound, state, lambda)
       call take(bound, lambda)
-      call keep_pose(c, state, bound)
+      call keep_pose(model, state, bound)
    end subroutine renew_bound
 
    !> Largest eigenvalues of all joints, from above
-   subroutine eigenvalues_from_blocks(c, bound, state, lambda)
-      type(consistent_model_t), intent(in) :: c
+   subroutine eigenvalues_from_blocks(model, bound, state, lambda)
+      type(consistent_model_t), intent(in) :: model
       type(bound_t), intent(in) :: bound
       type(consistent_state_t), intent(inout) :: state    !! of the poses the inverse inertias
       real(wp), intent(out) :: lambda(:)         !! (n_element)
 
       integer :: piece
 
-      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
-      do piece = 1, size(c%team%lead, 2)
-         call inverse_inertias(c, state%poses%quat, c%team%lead(1, piece), &
-            c%team%lead(2, piece), state%poses%ij)
+      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1)
+      do piece = 1, size(model%team%lead, 2)
+         call inverse_inertias(model, state%poses%quat, model%team%lead(1, piece), &
+            model%team%lead(2, piece), state%poses%ij)
       end do
-      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1)
-      do piece = 1, size(c%team%joint, 2)
-         call eigenvalues_of_piece(c, state, bound, c%team%joint(:, piece), lambda)
+      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1)
+      do piece = 1, size(model%team%joint, 2)
+         call eigenvalues_of_piece(model, state, bound, model%team%joint(:, piece), lambda)
       end do
    end subroutine eigenvalues_from_blocks
 
    !> Largest eigenvalues of some joints of a batch, from above
-   pure subroutine eigenvalues_of_piece(c, state, bound, piece, lambda)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine eigenvalues_of_piece(model, state, bound, piece, lambda)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(bound_t), intent(in) :: bound
       integer, intent(in) :: piece(3)            !! batch, first, last joint
@@ -146,14 +145,14 @@ contains
          c_part(BLOCK, 6), part(BLOCK), root(BLOCK), w1, w2, g
       integer :: from, n, i, j
 
-      associate (batch => c%batch(piece(1)), joint => state%joint(piece(1)))
+      associate (batch => model%geometry(piece(1)), joint => state%joint(piece(1)))
          do from = piece(2), piece(3), BLOCK
             n = min(BLOCK, piece(3) - from + 1)
             call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
             do i = 1, n
                j = batch%first + from + i - 1
-               w1 = 1.0_wp/(bound%share(1, j)*c%n_joint(batch%lead(from + i - 1, 1)))
-               w2 = 1.0_wp/(bound%share(2, j)*c%n_joint(batch%lead(from + i - 1, 2)))
+               w1 = 1.0_wp/(bound%share(1, j)*model%n_end(batch%lead(from + i - 1, 1)))
+               w2 = 1.0_wp/(bound%share(2, j)*model%n_end(batch%lead(from + i - 1, 2)))
                im(i, :) = im(i, :)*[w1, w2]
                ij1(i, :) = ij1(i, :)*w1
                ij2(i, :) = ij2(i, :)*w2
@@ -199,20 +198,20 @@ contains
    end function tension
 
    !> Some joint has turned or slid so far since the last evaluation that the bound may be wrong
-   pure logical function has_moved(c, state, bound) result(moved)
-      type(consistent_model_t), intent(in) :: c
+   pure logical function has_moved(model, state, bound) result(moved)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(bound_t), intent(in) :: bound
 
       integer :: b, from, to
 
       moved = .true.
-      do b = 1, size(c%batch)
-         do from = 1, c%batch(b)%n, BLOCK
-            to = min(from + BLOCK - 1, c%batch(b)%n)
-            if (block_moved(from, to, c%batch(b)%first, state%joint(b)%q, bound)) return
-            if (.not. c%batch(b)%spring) cycle
-            if (axes_moved(c%batch(b), state, b, from, to, bound)) return
+      do b = 1, size(model%geometry)
+         do from = 1, model%geometry(b)%n, BLOCK
+            to = min(from + BLOCK - 1, model%geometry(b)%n)
+            if (block_moved(from, to, model%geometry(b)%first, state%joint(b)%q, bound)) return
+            if (.not. model%geometry(b)%spring) cycle
+            if (axes_moved(model%geometry(b), state, b, from, to, bound)) return
          end do
       end do
       moved = .false.
@@ -274,23 +273,24 @@ contains
    end function rows_of
 
    !> Coordinates that the bound was found for
-   subroutine keep_pose(c, state, bound)
-      type(consistent_model_t), intent(in) :: c
+   subroutine keep_pose(model, state, bound)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(bound_t), intent(inout) :: bound
 
       integer :: piece, i, j
 
-      !$omp parallel do schedule(static) num_threads(c%team%threads) if(c%team%threads > 1) &
+      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1) &
       !$omp private(i, j)
-      do piece = 1, size(c%team%joint, 2)
-         associate (b => c%team%joint(1, piece))
-            do i = c%team%joint(2, piece), c%team%joint(3, piece)
-               j = c%batch(b)%first + i
+      do piece = 1, size(model%team%joint, 2)
+         associate (b => model%team%joint(1, piece))
+            do i = model%team%joint(2, piece), model%team%joint(3, piece)
+               j = model%geometry(b)%first + i
                bound%q(j, :) = state%joint(b)%q(i, :)
-               bound%reach(j) = TURN*max(tiny(1.0_wp), norm2(c%batch(b)%arm(i, 1:3)) + &
-                  norm2(c%batch(b)%arm(i, 4:6)) + norm2(c%batch(b)%xl0(i, :) + bound%q(j, 1:3)))
-               if (c%batch(b)%spring) bound%rows(:, j) = rows_of(state, b, i)
+               bound%reach(j) = TURN*max(tiny(1.0_wp), norm2(model%geometry(b)%arm(i, 1:3)) + &
+                  norm2(model%geometry(b)%arm(i, 4:6)) + norm2(model%geometry(b)%xl0(i, :) + &
+                  bound%q(j, 1:3)))
+               if (model%geometry(b)%spring) bound%rows(:, j) = rows_of(state, b, i)
             end do
          end associate
       end do
@@ -315,8 +315,8 @@ contains
       bound%joint = j
    end subroutine take
 
-   subroutine eigenvalues(c, state, bound, lambda)
-      type(consistent_model_t), intent(in) :: c
+   subroutine eigenvalues(model, state, bound, lambda)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(bound_t), intent(in) :: bound
       real(wp), intent(out) :: lambda(:)
@@ -324,10 +324,10 @@ contains
       real(wp) :: s(6, 6, 2)
       integer :: b, i, j
 
-      do b = 1, size(c%batch)
-         do i = 1, c%batch(b)%n
-            j = c%batch(b)%first + i
-            call compliances(c, state, b, i, s)
+      do b = 1, size(model%geometry)
+         do i = 1, model%geometry(b)%n
+            j = model%geometry(b)%first + i
+            call compliances(model, state, b, i, s)
             s(:, :, 1) = s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j)
             lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1))
             if (allocated(bound%c)) &
@@ -337,19 +337,19 @@ contains
    end subroutine eigenvalues
 
    !> total of each lead: share times lambda over its joints
-   pure subroutine add_up(c, bound, lambda, total)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine add_up(model, bound, lambda, total)
+      type(consistent_model_t), intent(in) :: model
       type(bound_t), intent(in) :: bound
       real(wp), intent(in) :: lambda(:)
       real(wp), intent(inout) :: total(:)
 
       integer :: b, i, j, e
 
-      do b = 1, size(c%batch)
-         do i = 1, c%batch(b)%n
-            j = c%batch(b)%first + i
+      do b = 1, size(model%geometry)
+         do i = 1, model%geometry(b)%n
+            j = model%geometry(b)%first + i
             do e = 1, 2
-               total(c%batch(b)%lead(i, e)) = total(c%batch(b)%lead(i, e)) + &
+               total(model%geometry(b)%lead(i, e)) = total(model%geometry(b)%lead(i, e)) + &
                   bound%share(e, j)*lambda(j)
             end do
          end do
@@ -357,20 +357,20 @@ contains
    end subroutine add_up
 
    !> share := share times lambda over the total of its lead
-   pure subroutine divide(c, bound, lambda, total)
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine divide(model, bound, lambda, total)
+      type(consistent_model_t), intent(in) :: model
       type(bound_t), intent(inout) :: bound
       real(wp), intent(in) :: lambda(:), total(:)
 
       integer :: b, i, j, e
 
-      do b = 1, size(c%batch)
-         do i = 1, c%batch(b)%n
-            j = c%batch(b)%first + i
+      do b = 1, size(model%geometry)
+         do i = 1, model%geometry(b)%n
+            j = model%geometry(b)%first + i
             do e = 1, 2
-               if (total(c%batch(b)%lead(i, e)) > 0.0_wp) then
+               if (total(model%geometry(b)%lead(i, e)) > 0.0_wp) then
                   bound%share(e, j) = max(LEAST_SHARE, bound%share(e, j)* &
-                     lambda(j)/total(c%batch(b)%lead(i, e)))
+                     lambda(j)/total(model%geometry(b)%lead(i, e)))
                else
                   bound%share(e, j) = 1.0_wp
                end if

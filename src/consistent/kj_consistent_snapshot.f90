@@ -2,7 +2,6 @@
 module kj_consistent_snapshot
    use kj_kinds, only: wp
    use kj_math3, only: cross, rotation_vector
-   use kj_model, only: model_t
    use kj_skew, only: skew_axes
    use kj_legacy_state, only: legacy_state_t, OWNER_NONE, OWNER_JOINT
    use kj_joint_batch, only: joint_state_t
@@ -27,9 +26,8 @@ module kj_consistent_snapshot
 contains
 
    !> Fill what a row of the history needs
-   subroutine publish(model, c, march, cs, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine publish(model, march, cs, state)
+      type(consistent_model_t), intent(in) :: model
       type(march_t), intent(in) :: march
       type(consistent_state_t), intent(inout) :: cs
       type(legacy_state_t), intent(inout) :: state
@@ -41,17 +39,17 @@ contains
       if (cs%cycle == 0) state%h2 = min(march%limit, march%first)
       state%work = cs%work
       state%ledger_error = cs%error
-      call spin_velocity(c, cs%poses%quat, cs%l, 1, model%n_lead, cs%poses%w)
+      call spin_velocity(model, cs%poses%quat, cs%l, 1, model%n_lead, cs%poses%w)
       cs%poses%v = cs%v
-      call publish_leads(model, c, cs, state)
-      call publish_nodes(model, c, cs, state)
-      call publish_joints(model, c, cs, state)
+      call publish_leads(model, cs, state)
+      call publish_nodes(model, cs, state)
+      call publish_joints(model, cs, state)
       call note_loosest(model, state)
       call publish_owner(model, march, state)
    end subroutine publish
 
    subroutine publish_owner(model, march, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(march_t), intent(in) :: march
       type(legacy_state_t), intent(inout) :: state
 
@@ -67,9 +65,8 @@ contains
       end do
    end subroutine publish_owner
 
-   subroutine publish_leads(model, c, cs, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine publish_leads(model, cs, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: cs
       type(legacy_state_t), intent(inout) :: state
 
@@ -86,7 +83,7 @@ contains
          state%m_own = cs%own_t
       end associate
       do from = 1, model%n_lead, BLOCK
-         call publish_block(model, c, cs, from, min(BLOCK, model%n_lead - from + 1), state)
+         call publish_block(model, cs, from, min(BLOCK, model%n_lead - from + 1), state)
       end do
       state%impulse = cs%impulse
       state%angular_impulse = cs%angular_impulse
@@ -94,9 +91,8 @@ contains
    end subroutine publish_leads
 
    !> Accelerations and principal axes of n leads from ...
-   subroutine publish_block(model, c, cs, from, n, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine publish_block(model, cs, from, n, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: cs
       integer, intent(in) :: from, n
       type(legacy_state_t), intent(inout) :: state
@@ -116,22 +112,24 @@ contains
          end do
       end associate
       do i = 1, n
-         if (c%hold_of(from + i - 1) == 0) cycle
+         if (model%hold_of(from + i - 1) == 0) cycle
          held(:, 1) = f(i, :)
          held(:, 2) = t(i, :)
-         call held_force(c, cs, c%hold_of(from + i - 1), held(:, 1), held(:, 2))
+         call held_force(model, cs, model%hold_of(from + i - 1), held(:, 1), held(:, 2))
          f(i, :) = held(:, 1)
          t(i, :) = held(:, 2)
       end do
       do k = 1, 3
-         state%a(from:to, k) = c%im(from:to)*f(:n, k)
-         l(:n, k) = c%ii(from:to, k)*(t(:n, 1)*p(:n, 3*k - 2) + t(:n, 2)*p(:n, 3*k - 1) + &
+         state%a(from:to, k) = model%inverse_mass(from:to)*f(:n, k)
+         l(:n, k) = model%inverse_inertia(from:to, k)*(t(:n, 1)*p(:n, 3*k - 2) + t(:n, 2)*p(:n, &
+            3*k - 1) + &
             t(:n, 3)*p(:n, 3*k))
       end do
       do k = 1, 3
          state%al(from:to, k) = p(:n, k)*l(:n, 1) + p(:n, k + 3)*l(:n, 2) + p(:n, k + 6)*l(:n, 3)
       end do
-      call turn_axes(min(n, model%n_body - from + 1), p, c%axes0(from:, :), model%axes(from:, :), &
+      call turn_axes(min(n, model%n_body - from + 1), p, model%axes0(from:, :), model%axes(from:, &
+         :), &
          state%p(from:, :))
    end subroutine publish_block
 
@@ -161,28 +159,27 @@ contains
    end subroutine turn_axes
 
    !> Secondary nodes of the history and of its skews from the poses
-   subroutine publish_nodes(model, c, cs, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine publish_nodes(model, cs, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: cs
       type(legacy_state_t), intent(inout) :: state
 
       integer :: k, s, i
 
       do k = 1, size(model%th_node)
-         call publish_node(model, c, cs, model%th_node(k), state)
+         call publish_node(model, cs, model%th_node(k), state)
          s = model%th_node_skew(k)
          if (s == 0) cycle
          if (model%skews%dir(s) == 0) cycle
          do i = 1, 3
-            call publish_node(model, c, cs, model%skews%node(i, s), state)
+            call publish_node(model, cs, model%skews%node(i, s), state)
          end do
          state%world%skew(s, :) = axes_now(model, state, s)
       end do
    end subroutine publish_nodes
 
    pure function axes_now(model, state, s) result(axes)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(legacy_state_t), intent(in) :: state
       integer, intent(in) :: s
       real(wp) :: axes(9)
@@ -192,9 +189,8 @@ contains
       end associate
    end function axes_now
 
-   subroutine publish_node(model, c, cs, node, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine publish_node(model, cs, node, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: cs
       integer, intent(in) :: node
       type(legacy_state_t), intent(inout) :: state
@@ -204,44 +200,44 @@ contains
 
       lead = model%lead(node)
       if (node == lead) return
-      r = place_node(model, c, cs, node) - cs%poses%x(lead, :)
+      r = place_node(model, cs, node) - cs%poses%x(lead, :)
       r0 = model%x0(node, :) - model%x0(lead, :)
       state%world%x(node, :) = cs%poses%x(lead, :) + r
       state%d(node, :) = cs%poses%d(lead, :) + (r - r0)
       state%v(node, :) = cs%v(lead, :) + cross(cs%poses%w(lead, :), r)
    end subroutine publish_node
 
-   subroutine publish_joints(model, c, cs, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine publish_joints(model, cs, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: cs
       type(legacy_state_t), intent(inout) :: state
 
       integer :: b, j
 
-      do b = 1, size(c%batch)
+      do b = 1, size(model%geometry)
          associate (joint => cs%joint(b), out => state%joint(b))
             out%q = joint%q
             out%f = joint%fe + joint%fd
-            if (c%batch(b)%limited) call publish_limits(c%batch(b), joint, out)
+            if (model%geometry(b)%limited) call publish_limits(model%geometry(b), joint, out)
             out%energy = joint%elastic + joint%dissipated
-            call joint_rates(c%batch(b), cs%poses, joint, out%qdot)
-            if (c%batch(b)%chart == CHART_UNIVERSAL) then
-               do j = 1, c%batch(b)%n
-                  out%e(j, :) = frame_of(c%batch(b), joint, j)
+            call joint_rates(model%geometry(b), cs%poses, joint, out%qdot)
+            if (model%geometry(b)%chart == CHART_UNIVERSAL) then
+               do j = 1, model%geometry(b)%n
+                  out%e(j, :) = frame_of(model%geometry(b), joint, j)
                end do
             else
                call copy_frames(joint, out%e)
             end if
-            call show_in_mean_frame(c%batch(b)%plain, out%e, out%q, out%f, out%qdot)
-            if (c%batch(b)%shifted) out%q(:, 4:6) = out%q(:, 4:6) + c%batch(b)%shift
-            associate (ortho => state%ortho(c%batch(b)%first + 1:c%batch(b)%first + c%batch(b)%n))
+            call show_in_mean_frame(model%geometry(b)%plain, out%e, out%q, out%f, out%qdot)
+            if (model%geometry(b)%shifted) out%q(:, 4:6) = out%q(:, 4:6) + model%geometry(b)%shift
+            associate (ortho => state%ortho(model%geometry(b)%first + 1:model%geometry(b)%first + &
+               model%geometry(b)%n))
                ortho = 0.0_wp
-               if (c%batch(b)%chart == CHART_UNIVERSAL) ortho = skewness(out%e)
+               if (model%geometry(b)%chart == CHART_UNIVERSAL) ortho = skewness(out%e)
             end associate
          end associate
       end do
-      call add_looseness(model, c, cs, state)
+      call add_looseness(model, cs, state)
    end subroutine publish_joints
 
    !> What stops, friction and lock do
@@ -324,7 +320,7 @@ contains
 
    !> The largest loss of orthogonality of all samples, and whose it is
    subroutine note_loosest(model, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
 
       real(wp) :: o
@@ -341,25 +337,24 @@ contains
    end subroutine note_loosest
 
    !> Turn of a loose skew away from the triad that its joint end carries
-   subroutine add_looseness(model, c, cs, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine add_looseness(model, cs, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: cs
       type(legacy_state_t), intent(inout) :: state
 
       real(wp) :: now(3, 3), then(3, 3), p(3, 3)
       integer :: k, i, j, s, lead
 
-      do k = 1, size(c%loose, 2)
-         j = c%loose(1, k)
+      do k = 1, size(model%loose, 2)
+         j = model%loose(1, k)
          associate (ref => model%joint(j))
-            s = model%batch(ref%batch)%skew(ref%place, c%loose(2, k))
-            lead = model%batch(ref%batch)%lead(ref%place, c%loose(2, k))
+            s = model%batch(ref%batch)%skew(ref%place, model%loose(2, k))
+            lead = model%batch(ref%batch)%lead(ref%place, model%loose(2, k))
             do i = 1, 3
-               call publish_node(model, c, cs, model%skews%node(i, s), state)
+               call publish_node(model, cs, model%skews%node(i, s), state)
             end do
             now = reshape(axes_now(model, state, s), [3, 3])
-            p = matmul(body_matrix(cs, lead), transpose(reshape(c%axes0(lead, :), [3, 3])))
+            p = matmul(body_matrix(cs, lead), transpose(reshape(model%axes0(lead, :), [3, 3])))
             then = matmul(p, reshape(model%skews%axes(s, :), [3, 3]))
             associate (o => state%ortho(model%batch(ref%batch)%first + ref%place))
                o = max(o, norm2(rotation_vector(matmul(transpose(then), now))))

@@ -37,19 +37,20 @@ module kj_consistent_state
       real(wp), allocatable :: work(:, :, :)
    end type kept_t
 
-   !> Constants of the consistent formulation beside those of the model
-   type :: consistent_model_t
-      type(consistent_batch_t), allocatable :: batch(:)
+   !> The model with the constants of the consistent formulation
+   type, extends(model_t) :: consistent_model_t
+      type(consistent_batch_t), allocatable :: geometry(:)   !! of each batch
       type(team_t) :: team                       !! pieces for the threads
       ! and their order: joints and leads once, twice (springs, dampers; where damped), leads alone
       type(plan_t) :: once, twice, alone
       type(plan_t) :: wave                       !! several steps at once; no stages: there is none
       logical :: damped = .false.                !! some joint has damping
-      real(wp), allocatable :: im(:)             !! (n_lead) inverse mass, 0 where held or massless
-      real(wp), allocatable :: i(:, :), ii(:, :) !! (n_lead, 3) principal inertia and its inverse
+      real(wp), allocatable :: inverse_mass(:)   !! (n_lead) 0 where held or massless
+      !> (n_lead, 3) principal inertia and its inverse, 0 where held
+      real(wp), allocatable :: spin_inertia(:, :), inverse_inertia(:, :)
       !> (n_lead) axis of symmetry, 0 = three unequal inertias
       integer, allocatable :: equal(:)
-      integer, allocatable :: n_joint(:)         !! (n_lead) joints on it
+      integer, allocatable :: n_end(:)           !! (n_lead) joint ends on it
       !> (n_lead, 4) attitude at the start: principal axes
       real(wp), allocatable :: quat0(:, :)
       real(wp), allocatable :: axes0(:, :)       !! (n_lead, 9) the same as columns

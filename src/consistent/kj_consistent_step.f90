@@ -4,7 +4,6 @@ module kj_consistent_step
    use kj_kinds, only: wp
    use kj_math3, only: cross
    use kj_block, only: BLOCK
-   use kj_model, only: model_t
    use kj_skew, only: move_skews
    use kj_lead_map, only: sum_part
    use kj_plan, only: plan_t, DO_JOINTS, DO_PART, DO_LEADS
@@ -41,9 +40,8 @@ module kj_consistent_step
 contains
 
    !> From t to t + h by kick, drift, kick
-   subroutine split_step(model, c, midpoint, h, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine split_step(model, midpoint, h, state)
+      type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
@@ -60,13 +58,12 @@ contains
       call reach_motions(model, h, step%mean, step%final, step%active, state)
       state%cycle = state%cycle + 1
       state%time = state%time + h
-      call to_new_pose(MOVE, KICKING, model, c, step, state)
+      call to_new_pose(MOVE, KICKING, model, step, state)
    end subroutine split_step
 
    !> n steps of h: in waves where the scene lets several steps go at once
-   subroutine split_steps(model, c, midpoint, h, n, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine split_steps(model, midpoint, h, n, state)
+      type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
       real(wp), intent(in) :: h
       integer, intent(in) :: n
@@ -77,20 +74,19 @@ contains
       left = n
       do while (left > 0)
          now = min(left, N_STEP)
-         if (allocated(state%f_host) .or. size(c%wave%stage) == 0) now = 1
+         if (allocated(state%f_host) .or. size(model%wave%stage) == 0) now = 1
          if (now == 1) then
-            call split_step(model, c, midpoint, h, state)
+            call split_step(model, midpoint, h, state)
          else
-            call wave(model, c, midpoint, h, now, state)
+            call wave(model, midpoint, h, now, state)
          end if
          left = left - now
       end do
    end subroutine split_steps
 
    !> At most N_STEP steps in one pass over the scene (kj_wave)
-   subroutine wave(model, c, midpoint, h, n, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine wave(model, midpoint, h, n, state)
+      type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint
       real(wp), intent(in) :: h
       integer, intent(in) :: n
@@ -112,23 +108,22 @@ contains
       state%poses%time = state%time
       state%poses%h = h
       state%part(:, :, :, 0) = 0.0_wp
-      if (c%damped) then
-         call go_through(c%wave, [MOVE, GATHERING + WEIGH + LOOK, GATHERING + KICKING], &
-            [SPRINGS, DAMPERS], model, c, step, state)
+      if (model%damped) then
+         call go_through(model%wave, [MOVE, GATHERING + WEIGH + LOOK, GATHERING + KICKING], &
+            [SPRINGS, DAMPERS], model, step, state)
       else
-         call go_through(c%wave, [MOVE, GATHERING + WEIGH + KICKING], [SPRINGS], model, c, step, &
+         call go_through(model%wave, [MOVE, GATHERING + WEIGH + KICKING], [SPRINGS], model, step, &
             state)
       end if
       do i = 1, size(model%map%hub)
-         call load_hub(model, c, i, n, state)
+         call load_hub(model, i, n, state)
       end do
    end subroutine wave
 
    !> Forces and moments of all leads in the pose reached. h = 0: at the start, dampers from the
    !> velocities as they are.
-   subroutine find_forces(model, c, h, target, active, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine find_forces(model, h, target, active, state)
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
       logical, intent(in) :: active(:)
@@ -140,16 +135,15 @@ contains
       step%mean = target
       step%final = target
       step%active = active
-      call to_new_pose(OPEN, NOTHING, model, c, step, state)
+      call to_new_pose(OPEN, NOTHING, model, step, state)
    end subroutine find_forces
 
    !> Leads come to the new pose, forces of all but the dampers follow, these from what they look
    !> at, and the end of the step. Joints follow as soon as both leads are ready for them, except
    !> where nodes or loads come between.
-   subroutine to_new_pose(first, last, model, c, step, state)
+   subroutine to_new_pose(first, last, model, step, state)
       integer, intent(in) :: first, last             !! what leads do before joints, and after them
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+      type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
@@ -157,56 +151,54 @@ contains
       logical :: loaded
 
       before = first
-      if (size(c%placed) > 0) then
-         call for_leads(first, model, c, step, state)
-         call place_nodes(model, c, state)
+      if (size(model%placed) > 0) then
+         call for_leads(first, model, step, state)
+         call place_nodes(model, state)
          before = NOTHING
       end if
       call find_gravity(model, state)
       state%poses%time = state%time
       state%poses%h = step%h
       loaded = is_loaded(model, state)
-      if (c%damped .and. .not. loaded) then
-         call go_through(c%twice, [before, GATHERING + WEIGH + LOOK, GATHERING + last], &
-            [SPRINGS, DAMPERS], model, c, step, state)
+      if (model%damped .and. .not. loaded) then
+         call go_through(model%twice, [before, GATHERING + WEIGH + LOOK, GATHERING + last], &
+            [SPRINGS, DAMPERS], model, step, state)
       else if (.not. loaded) then
-         call go_through(c%once, [before, GATHERING + WEIGH + last], [SPRINGS], model, c, step, &
+         call go_through(model%once, [before, GATHERING + WEIGH + last], [SPRINGS], model, step, &
             state)
       else
-         call go_through(c%once, [before, GATHERING + WEIGH], [SPRINGS], model, c, step, state)
+         call go_through(model%once, [before, GATHERING + WEIGH], [SPRINGS], model, step, state)
       end if
       if (first == MOVE) call count_work(FIRST_HALF, state)
-      call count_gravity(c, step%h, state)
+      call count_gravity(model, step%h, state)
       if (loaded) then
          call add_loads(model, state)
          call add_host_loads(step%h, state)
-         if (c%damped) then
-            call go_through(c%once, [LOOK, GATHERING + last], [DAMPERS], model, c, step, state)
+         if (model%damped) then
+            call go_through(model%once, [LOOK, GATHERING + last], [DAMPERS], model, step, state)
          else
-            call for_leads(last, model, c, step, state)
+            call for_leads(last, model, step, state)
          end if
       end if
       if (last == KICKING) call count_work(SECOND_HALF, state)
    end subroutine to_new_pose
 
    !> One thing with all leads
-   subroutine for_leads(what, model, c, step, state)
+   subroutine for_leads(what, model, step, state)
       integer, intent(in) :: what
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+      type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
-      call go_through(c%alone, [what], [integer ::], model, c, step, state)
+      call go_through(model%alone, [what], [integer ::], model, step, state)
    end subroutine for_leads
 
    !> Stages of a plan one after the other, piece by piece: in threads, or without them. Even a team
    !> of one thread costs a microsecond, more than the stage of a few joints.
-   subroutine go_through(plan, leads, joints, model, c, step, state)
+   subroutine go_through(plan, leads, joints, model, step, state)
       type(plan_t), intent(in) :: plan
       integer, intent(in) :: leads(0:), joints(:)    !! (rounds) what to do with them
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+      type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
@@ -216,25 +208,24 @@ contains
          if (size(plan%stage(s)%item) == 0) cycle
          if (plan%team%threads == 1) then
             do task = 1, size(plan%stage(s)%item)
-               call do_task(plan, s, task, leads, joints, model, c, step, state)
+               call do_task(plan, s, task, leads, joints, model, step, state)
             end do
             cycle
          end if
          !$omp parallel do schedule(dynamic, 1) num_threads(plan%team%threads) private(task)
          do share = 1, ubound(plan%stage(s)%shares, 1)
             do task = plan%stage(s)%shares(share - 1) + 1, plan%stage(s)%shares(share)
-               call do_task(plan, s, task, leads, joints, model, c, step, state)
+               call do_task(plan, s, task, leads, joints, model, step, state)
             end do
          end do
       end do
    end subroutine go_through
 
    !> A task of stage s
-   subroutine do_task(plan, s, task, leads, joints, model, c, step, state)
+   subroutine do_task(plan, s, task, leads, joints, model, step, state)
       type(plan_t), intent(in) :: plan
       integer, intent(in) :: s, task, leads(0:), joints(:)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+      type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
@@ -243,25 +234,24 @@ contains
          if (at > step%n) return
          select case (plan%stage(s)%kind(task))
          case (DO_JOINTS)
-            call work_on_joints(joints(round), plan%team%joint(:, item), model, c, step, state)
+            call work_on_joints(joints(round), plan%team%joint(:, item), model, step, state)
          case (DO_PART)
             call sum_part(model%map, state%wrench, plan%hub(item), item, &
                state%part(:, item, round, at))
          case (DO_LEADS)
             call work_on_leads(leads(round), plan%ready(:, max(1, round)), round, &
-               plan%team%lead(:, item), model, c, step, state)
+               plan%team%lead(:, item), model, step, state)
          end select
       end associate
    end subroutine do_task
 
    !> A piece of the leads, whole blocks of kj_gravity at a time
-   subroutine work_on_leads(what, ready, round, piece, model, c, step, state)
+   subroutine work_on_leads(what, ready, round, piece, model, step, state)
       integer, intent(in) :: what
       logical, intent(in) :: ready(:)                !! (parts of hubs) summed
       integer, intent(in) :: round                   !! of their sums
       integer, intent(in) :: piece(2)                !! first, last lead
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+      type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
@@ -270,13 +260,13 @@ contains
       if (what == NOTHING) return
       do lo = piece(1), piece(2), BLOCK
          hi = min(lo + BLOCK - 1, piece(2))
-         if (has(MOVE)) call move_leads(model, c, step%midpoint, step%h, step%mean, step%active, &
+         if (has(MOVE)) call move_leads(model, step%midpoint, step%h, step%mean, step%active, &
             lo, hi, state)
-         if (has(OPEN)) call open_leads(c, step%h, lo, hi, state)
+         if (has(OPEN)) call open_leads(model, step%h, lo, hi, state)
          if (has(GATHERING)) call gather(model, ready, round, lo, hi, state)
-         if (has(WEIGH)) call add_gravity(model, c, lo, hi, state)
-         if (has(LOOK)) call look_leads(c, step%h, step%final, step%active, lo, hi, state)
-         if (has(KICKING)) call kick_leads(model, c, step%h, step%final, step%active, lo, hi, state)
+         if (has(WEIGH)) call add_gravity(model, lo, hi, state)
+         if (has(LOOK)) call look_leads(model, step%h, step%final, step%active, lo, hi, state)
+         if (has(KICKING)) call kick_leads(model, step%h, step%final, step%active, lo, hi, state)
       end do
 
    contains
@@ -290,21 +280,20 @@ contains
    end subroutine work_on_leads
 
    !> A piece of the joints
-   subroutine work_on_joints(what, piece, model, c, step, state)
+   subroutine work_on_joints(what, piece, model, step, state)
       integer, intent(in) :: what
       integer, intent(in) :: piece(3)                !! batch, first joint, last joint
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+      type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
       associate (b => piece(1), lo => piece(2), hi => piece(3))
          select case (what)
          case (SPRINGS)
-            call add_springs(c%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &
+            call add_springs(model%geometry(b), model%curves, state%poses, lo, hi, state%joint(b), &
                state%wrench)
          case (DAMPERS)
-            call add_dampers(c%batch(b), model%curves, state%poses, step%h, lo, hi, &
+            call add_dampers(model%geometry(b), model%curves, state%poses, step%h, lo, hi, &
                state%joint(b), state%wrench)
          end select
       end associate
@@ -312,7 +301,7 @@ contains
 
    !> Loads act on leads beside joints and gravity
    pure logical function is_loaded(model, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
       is_loaded = size(model%cload) > 0 .or. allocated(state%f_host)
@@ -320,7 +309,7 @@ contains
 
    !> What imposed displacements and accelerations have reached
    subroutine reach_motions(model, h, mean, final, active, state)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h, mean(:), final(:)
       logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
@@ -338,24 +327,22 @@ contains
    end subroutine reach_motions
 
    !> Positions of the nodes that loads and skews read, and the skews
-   subroutine place_nodes(model, c, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine place_nodes(model, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i
 
-      if (size(c%placed) == 0) return
-      do i = 1, size(c%placed)
-         state%node(c%placed(i), :) = place_node(model, c, state, c%placed(i))
+      if (size(model%placed) == 0) return
+      do i = 1, size(model%placed)
+         state%node(model%placed(i), :) = place_node(model, state, model%placed(i))
       end do
       call move_skews(model%skews, state%node, state%skew)
    end subroutine place_nodes
 
    !> Position of a node from the pose of its lead
-   pure function place_node(model, c, state, node) result(x)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   pure function place_node(model, state, node) result(x)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: node
       real(wp) :: x(3)
@@ -364,7 +351,7 @@ contains
       integer :: lead
 
       lead = model%lead(node)
-      a = c%arm(node, :)
+      a = model%arm(node, :)
       t = 2.0_wp*cross(state%poses%quat(lead, 2:4), a)
       x = state%poses%x(lead, :) + a + state%poses%quat(lead, 1)*t + &
          cross(state%poses%quat(lead, 2:4), t)

@@ -5,7 +5,6 @@ module kj_consistent_wave
    use kj_lead_map, only: SPAN, N_SUM
    use kj_plan, only: plan_t
    use kj_wave, only: new_wave, wave_share
-   use kj_model, only: model_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_collect, only: at_rest
    implicit none
@@ -19,9 +18,8 @@ module kj_consistent_wave
 contains
 
    !> A wave where the scene allows one, in the shares that leave threads the least to wait for
-   subroutine build_wave(model, c)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(inout) :: c
+   subroutine build_wave(model)
+      type(consistent_model_t), intent(inout) :: model
 
       type(team_t) :: team
       type(plan_t) :: wave
@@ -29,37 +27,35 @@ contains
       real(wp) :: best
       integer :: i
 
-      allocate (c%wave%stage(0))
-      if (.not. may_wave(model, c)) return
-      rests = at_rest(c)
+      allocate (model%wave%stage(0))
+      if (.not. may_wave(model)) return
+      rests = at_rest(model)
       if (.not. all(rests(model%map%hub))) return
       best = LEAST_WAVE_SHARE
       do i = 1, size(WAVE_SHARES)
          call new_team(model%control%threads, model%control%least_share, model%batch%n, &
-            min(SPAN, c%n_joint), team, WAVE_SHARES(i))
-         call new_wave(model%batch%first, model%map, team, merge(2, 1, c%damped), wave)
+            min(SPAN, model%n_end), team, WAVE_SHARES(i))
+         call new_wave(model%batch%first, model%map, team, merge(2, 1, model%damped), wave)
          if (.not. wave_share(wave) > best) cycle
          best = wave_share(wave)
-         c%wave = wave
+         model%wave = wave
          if (team%threads == 1) exit
       end do
    end subroutine build_wave
 
    !> Nothing but joints and steady gravity acts between steps, and no law looks at the time
-   pure logical function may_wave(model, c) result(may)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   pure logical function may_wave(model) result(may)
+      type(consistent_model_t), intent(in) :: model
 
-      may = model%n_joint + model%n_lead >= LARGE .and. size(c%placed) == 0 .and. &
+      may = model%n_joint + model%n_lead >= LARGE .and. size(model%placed) == 0 .and. &
          size(model%cload) == 0 .and. size(model%motion) == 0 .and. size(model%gravity) <= 1 .and. &
-         all(c%steady) .and. .not. any(c%batch%limited)
+         all(model%steady) .and. .not. any(model%geometry%limited)
    end function may_wave
 
    !> Forces on a hub at rest, which a wave has left out, and their impulses; the first half kick of
    !> the wave had those of before
-   pure subroutine load_hub(model, c, i, n, state)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   pure subroutine load_hub(model, i, n, state)
+      type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: i, n                    !! hub; steps
       type(consistent_state_t), intent(inout) :: state
 
@@ -69,7 +65,7 @@ contains
       associate (lead => model%map%hub(i), from => model%map%part(i), &
          to => model%map%part(i + 1) - 1)
          do k = 1, n
-            do round = 1, size(c%wave%ready, 2)
+            do round = 1, size(model%wave%ready, 2)
                total = sum_of(state%part(:, from:to, round, k))
                if (round == 1) then
                   state%f(lead, :) = total(1:3) + state%own_f(lead, :)

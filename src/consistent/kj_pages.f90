@@ -6,7 +6,6 @@ module kj_pages
    use kj_team, only: LARGE
    use kj_joint_batch, only: joint_batch_t, joint_state_t
    use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
-   use kj_model, only: model_t
    use kj_legacy_state, only: legacy_state_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    implicit none
@@ -37,7 +36,7 @@ contains
 
    !> Those of the legacy cycle; the consistent formulation samples from them
    subroutine place_state(model, s)
-      type(model_t), intent(in) :: model
+      type(consistent_model_t), intent(in) :: model
       type(legacy_state_t), intent(in) :: s
 
       integer :: b
@@ -82,16 +81,15 @@ contains
    end subroutine place_batch
 
    !> Those of the consistent cycle
-   subroutine place_consistent_state(model, c, s)
-      type(model_t), intent(in) :: model
-      type(consistent_model_t), intent(in) :: c
+   subroutine place_consistent_state(model, s)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: s
 
       integer :: b
 
       if (model%n_joint + model%n_lead < LARGE) return
-      do b = 1, size(c%batch)
-         call place_consistent_batch(c%batch(b), s%joint(b))
+      do b = 1, size(model%geometry)
+         call place_consistent_batch(model%geometry(b), s%joint(b))
       end do
       associate (p => s%poses)
          call use_huge(p%x)
@@ -100,9 +98,9 @@ contains
          call use_huge(p%w)
          call use_huge(p%d)
       end associate
-      call use_huge(c%im)
-      call use_huge(c%i)
-      call use_huge(c%ii)
+      call use_huge(model%inverse_mass)
+      call use_huge(model%spin_inertia)
+      call use_huge(model%inverse_inertia)
       call use_huge(s%v)
       call use_huge(s%l)
       call use_huge(s%f)

@@ -12,7 +12,6 @@ module kj_cut_model
 
    !> The part
    type :: cut_t
-      type(model_t) :: model
       integer, allocatable :: lead(:)          !! (n_lead) index of each in the whole
       integer, allocatable :: node(:)          !! (n_node)
       integer, allocatable :: skew(:)          !! (n_skew)
@@ -23,39 +22,40 @@ module kj_cut_model
 contains
 
    !> Cut out leads and elements. Leads may stand in several parts, elements in one.
-   pure subroutine cut_model(model, leads, loaded, elements, cut)
+   pure subroutine cut_model(model, leads, loaded, elements, cut, section)
       type(model_t), intent(in) :: model
       logical, intent(in) :: leads(:)          !! (n_lead) are in the part
       logical, intent(in) :: loaded(:)         !! (n_lead) their loads are in the part
       logical, intent(in) :: elements(:)       !! (n_element) in the order of the batches
       type(cut_t), intent(out) :: cut
+      type(model_t), intent(out) :: section   !! the part as a model
 
       integer :: new(0:model%n_node), new_skew(0:model%skews%n)
 
-      cut%model%control = model%control
-      cut%model%units = model%units
-      cut%model%curves = model%curves
-      cut%model%title = model%title
-      call cut_loads(model, leads, loaded, cut)
-      call cut_skews(model, cut, new_skew)
-      call cut_leads(model, leads, elements, cut, new)
-      call cut_batches(model, elements, new, cut)
-      call cut_joints(model, elements, new, cut)
-      call renumber(new, new_skew, cut%model)
-      allocate (cut%model%th_joint(0), cut%model%th_spring(0), cut%model%th_body(0), &
-         cut%model%th_node(0), cut%model%th_node_skew(0), cut%model%th_node_name(0))
+      section%control = model%control
+      section%units = model%units
+      section%curves = model%curves
+      section%title = model%title
+      call cut_loads(model, leads, loaded, section)
+      call cut_skews(model, cut, new_skew, section)
+      call cut_leads(model, leads, elements, cut, new, section)
+      call cut_batches(model, elements, new, cut, section)
+      call cut_joints(model, elements, new, cut, section)
+      call renumber(new, new_skew, section)
+      allocate (section%th_joint(0), section%th_spring(0), section%th_body(0), &
+         section%th_node(0), section%th_node_skew(0), section%th_node_name(0))
    end subroutine cut_model
 
    !> Loads, conditions and motions, still with the numbers of the whole
-   pure subroutine cut_loads(model, leads, loaded, cut)
+   pure subroutine cut_loads(model, leads, loaded, section)
       type(model_t), intent(in) :: model
       logical, intent(in) :: leads(:), loaded(:)
-      type(cut_t), intent(inout) :: cut
+      type(model_t), intent(inout) :: section   !! the part as a model
 
-      cut%model%bcs = pack(model%bcs, leads(model%bcs%lead))
-      cut%model%motion = pack(model%motion, leads(model%motion%lead))
-      call cut_cards(model%gravity, cut%model%gravity)
-      call cut_cards(model%cload, cut%model%cload)
+      section%bcs = pack(model%bcs, leads(model%bcs%lead))
+      section%motion = pack(model%motion, leads(model%motion%lead))
+      call cut_cards(model%gravity, section%gravity)
+      call cut_cards(model%cload, section%cload)
 
    contains
 
@@ -82,25 +82,26 @@ contains
    end subroutine cut_loads
 
    !> The skews that the loads of the part read; the axes of its joints stand in the batches
-   pure subroutine cut_skews(model, cut, new)
+   pure subroutine cut_skews(model, cut, new, section)
       type(model_t), intent(in) :: model
       type(cut_t), intent(inout) :: cut
+      type(model_t), intent(inout) :: section   !! the part as a model
       integer, intent(out) :: new(0:)
 
       logical :: used(0:model%skews%n), needed(model%skews%n)
       integer :: i
 
       used = .false.
-      used(cut%model%bcs%skew) = .true.
-      used(cut%model%motion%skew) = .true.
-      used(cut%model%gravity%skew) = .true.
-      used(cut%model%cload%skew) = .true.
+      used(section%bcs%skew) = .true.
+      used(section%motion%skew) = .true.
+      used(section%gravity%skew) = .true.
+      used(section%cload%skew) = .true.
       cut%skew = pack([(i, i=1, model%skews%n)], used(1:))
       new = 0
       new(cut%skew) = [(i, i=1, size(cut%skew))]
       needed = .false.
       needed(model%skews%needed) = .true.
-      associate (old => model%skews, part => cut%model%skews)
+      associate (old => model%skews, part => section%skews)
          part%n = size(cut%skew)
          part%id = old%id(cut%skew)
          part%node = old%node(:, cut%skew)
@@ -112,10 +113,11 @@ contains
    end subroutine cut_skews
 
    !> Leads, and the secondary nodes that joints, skews or loads read
-   pure subroutine cut_leads(model, leads, elements, cut, new)
+   pure subroutine cut_leads(model, leads, elements, cut, new, section)
       type(model_t), intent(in) :: model
       logical, intent(in) :: leads(:), elements(:)
       type(cut_t), intent(inout) :: cut
+      type(model_t), intent(inout) :: section   !! the part as a model
       integer, intent(out) :: new(0:)          !! (0:n_node) number in the part, 0 = not there
 
       logical :: used(0:model%n_node)
@@ -125,18 +127,18 @@ contains
       do i = 1, model%n_element
          if (elements(at(i))) used(model%joint(i)%node) = .true.
       end do
-      do i = 1, cut%model%skews%n
-         used(cut%model%skews%node(:, i)) = .true.
+      do i = 1, section%skews%n
+         used(section%skews%node(:, i)) = .true.
       end do
-      do i = 1, size(cut%model%cload)
-         used(cut%model%cload(i)%node) = .true.
+      do i = 1, size(section%cload)
+         used(section%cload(i)%node) = .true.
       end do
       used(1:model%n_lead) = leads
       cut%node = pack([(i, i=1, model%n_node)], used(1:))
       cut%lead = pack([(i, i=1, model%n_lead)], leads)
       new = 0
       new(cut%node) = [(i, i=1, size(cut%node))]
-      associate (part => cut%model, n => cut%node, l => cut%lead)
+      associate (part => section, n => cut%node, l => cut%lead)
          part%n_node = size(n)
          part%n_lead = size(l)
          part%n_body = count(l <= model%n_body)
@@ -150,7 +152,7 @@ contains
          part%node_mass = model%node_mass(n)
          part%node_inertia = model%node_inertia(n)
       end associate
-      associate (part => cut%model, l => cut%lead(:cut%model%n_body))
+      associate (part => section, l => cut%lead(:section%n_body))
          part%body_id = model%body_id(l)
          part%principal = model%principal(l, :)
          part%axes = model%axes(l, :)
@@ -169,11 +171,12 @@ contains
    end subroutine cut_leads
 
    !> The joints of the part, batch by batch
-   pure subroutine cut_batches(model, elements, new, cut)
+   pure subroutine cut_batches(model, elements, new, cut, section)
       type(model_t), intent(in) :: model
       logical, intent(in) :: elements(:)
       integer, intent(in) :: new(0:)
       type(cut_t), intent(inout) :: cut
+      type(model_t), intent(inout) :: section   !! the part as a model
 
       integer :: b, i, first
 
@@ -181,19 +184,19 @@ contains
          cut%batch = pack([(b, b=1, size(batch))], [(any(elements(batch(b)%first + 1: &
             batch(b)%first + batch(b)%n)), b=1, size(batch))])
       end associate
-      allocate (cut%model%batch(size(cut%batch)))
+      allocate (section%batch(size(cut%batch)))
       cut%element = pack([(i, i=1, model%n_element)], elements)
       first = 0
       do b = 1, size(cut%batch)
-         associate (old => model%batch(cut%batch(b)), part => cut%model%batch(b))
+         associate (old => model%batch(cut%batch(b)), part => section%batch(b))
             call cut_batch(old, pack([(i, i=1, old%n)], &
                elements(old%first + 1:old%first + old%n)), new, part)
             part%first = first
             first = first + part%n
          end associate
       end do
-      cut%model%n_element = first
-      call build_lead_map(cut%model%n_lead, element_leads(cut%model), cut%model%map)
+      section%n_element = first
+      call build_lead_map(section%n_lead, element_leads(section), section%map)
    end subroutine cut_batches
 
    !> Some joints of a batch
@@ -251,11 +254,12 @@ contains
    end subroutine cut_limits
 
    !> What messages say of the joints, in the order of the deck
-   pure subroutine cut_joints(model, elements, new, cut)
+   pure subroutine cut_joints(model, elements, new, cut, section)
       type(model_t), intent(in) :: model
       logical, intent(in) :: elements(:)
       integer, intent(in) :: new(0:)
-      type(cut_t), intent(inout) :: cut
+      type(cut_t), intent(in) :: cut
+      type(model_t), intent(inout) :: section   !! the part as a model
 
       integer :: batch_of(size(model%batch)), place_of(model%n_element), b, j, k, at
 
@@ -264,26 +268,26 @@ contains
       place_of = 0
       k = 0
       do b = 1, size(cut%batch)
-         do j = 1, cut%model%batch(b)%n
+         do j = 1, section%batch(b)%n
             k = k + 1
             place_of(cut%element(k)) = j
          end do
       end do
-      allocate (cut%model%joint(cut%model%n_element))
+      allocate (section%joint(section%n_element))
       k = 0
       do j = 1, model%n_element
          at = model%batch(model%joint(j)%batch)%first + model%joint(j)%place
          if (.not. elements(at)) cycle
          k = k + 1
-         if (j <= model%n_joint) cut%model%n_joint = k
-         associate (joint => cut%model%joint(k))
+         if (j <= model%n_joint) section%n_joint = k
+         associate (joint => section%joint(k))
             joint = model%joint(j)
             joint%batch = batch_of(joint%batch)
             joint%place = place_of(at)
             joint%node = new(joint%node)
          end associate
       end do
-      cut%model%n_spring = cut%model%n_element - cut%model%n_joint
+      section%n_spring = section%n_element - section%n_joint
    end subroutine cut_joints
 
    !> Loads, conditions and skews from the numbers of the whole to those of the part

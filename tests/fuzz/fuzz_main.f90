@@ -143,26 +143,27 @@ contains
    subroutine find_limits(model)
       type(model_t), intent(in) :: model
 
-      type(consistent_model_t) :: c
+      type(consistent_model_t) :: scene
       type(consistent_state_t) :: state
       type(bound_t) :: bound
       real(wp) :: h
 
-      call build_consistent_model(model, c)
-      call new_consistent_state(model, c, state)
-      call new_bound(model, c, .false., state, bound)
-      call nodal_bound(model, c, state, h)
-      call renew_in_place(c, state, bound)
-      call new_bound(model, c, .true., state, bound)
-      call renew_in_place(c, state, bound)
+      scene%model_t = model
+      call build_consistent_model(scene)
+      call new_consistent_state(scene, state)
+      call new_bound(scene, .false., state, bound)
+      call nodal_bound(scene, state, h)
+      call renew_in_place(scene, state, bound)
+      call new_bound(scene, .true., state, bound)
+      call renew_in_place(scene, state, bound)
    end subroutine find_limits
 
    !> A bound renewed where nothing has moved: never longer, and shorter by 1 - 6^(-1/512) at most
    !> (Runge-Kutta: at most twice that, stiffness and damping each have their share); or as
    !> short as a step of the largest real can be, where the eigenvalue is no number. Beyond LONGEST
    !> there may be no limit at all.
-   subroutine renew_in_place(c, state, bound)
-      type(consistent_model_t), intent(in) :: c
+   subroutine renew_in_place(model, state, bound)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
       type(bound_t), intent(inout) :: bound
 
@@ -172,7 +173,7 @@ contains
       integer :: i
 
       first = bound%limit
-      call renew_bound(c, state, bound)
+      call renew_bound(model, state, bound)
       if (any(bound%limit > (1.0_wp + ROUNDING)*first .and. first < LONGEST) .or. &
          any(bound%limit < (6.0_wp**(-1.0_wp/256.0_wp) - ROUNDING)*first .and. &
          bound%limit > SHORTEST)) then
