@@ -280,8 +280,8 @@ contains
 
       integer :: piece, i, j
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1) &
-      !$omp private(i, j)
+      !$omp parallel do schedule(static) num_threads(model%team%threads) private(i, j) &
+      !$omp if(model%team%threads > 1)
       do piece = 1, size(model%team%joint, 2)
          associate (b => model%team%joint(1, piece))
             do i = model%team%joint(2, piece), model%team%joint(3, piece)
