@@ -14,8 +14,7 @@ submodule (kjoint) kjoint_run
    use kj_consistent_march, only: start_march, march, balance_ledger, full_turn, SPLIT2, LIEMID, &
       RKMK4
    use kj_consistent_snapshot, only: publish
-   use kj_consistent_islands, only: cut_scene, march_parts
-   use kj_consistent_gather, only: gather_parts, gather_clock, joint_cycles
+   use kj_consistent_islands, only: cut_scene, march_parts, gather_parts, gather_clock, joint_cycles
    implicit none
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]

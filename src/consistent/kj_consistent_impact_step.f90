@@ -22,7 +22,7 @@ module kj_consistent_impact_step
    use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
    use kj_consistent_stop, only: stop_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_one_joint, only: compliances
+   use kj_consistent_safe_step, only: compliances
    implicit none
    private
 

@@ -6,8 +6,8 @@ module kj_consistent_leads
    use kj_block, only: BLOCK
    use kj_lead_map, only: gather_wrenches
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_midpoint, only: midpoint_drift
-   use kj_consistent_body, only: kick, drift, predict, spin_velocity, inverse_inertias
+   use kj_consistent_body, only: midpoint_drift, kick, drift, predict, spin_velocity, &
+      inverse_inertias
    use kj_consistent_conditions, only: project, keep_rates, hold_rotations, project_rates, &
       FIRST_HALF, SECOND_HALF
    implicit none

@@ -7,8 +7,7 @@ module kj_consistent_nodal_step
    use kj_nodal_stiffness, only: start_stiffness, step_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_conditions, only: body_matrix
-   use kj_consistent_safe_step, only: bound_t
-   use kj_consistent_one_joint, only: largest_stiffness, rows_of_end
+   use kj_consistent_safe_step, only: bound_t, largest_stiffness, rows_of_end
    implicit none
    private
 

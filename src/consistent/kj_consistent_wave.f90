@@ -6,7 +6,7 @@ module kj_consistent_wave
    use kj_plan, only: plan_t
    use kj_wave, only: new_wave, wave_share
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_collect, only: at_rest
+   use kj_consistent_conditions, only: at_rest
    implicit none
    private
 

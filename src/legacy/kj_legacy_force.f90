@@ -12,7 +12,6 @@ module kj_legacy_force
       line_axes
    use kj_nodal_stiffness, only: step_stiffness
    use kj_lead_map, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN, W_KR1, W_KR2
-   use kj_nodal_stiffness, only: step_stiffness
    use kj_legacy_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve
    use kj_legacy_limits, only: limited_laws
    use kj_legacy_ahead, only: ahead_t, next_block, prefetch_part, AHEAD_FRAME, AHEAD_AXES, &
