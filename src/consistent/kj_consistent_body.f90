@@ -327,7 +327,7 @@ contains
    end function columns
 
    ! ---- Drift by the implicit Lie midpoint rule: exact angular momentum in space, exact energy of
-   ! bodies with two equal inertias. Source: docs/theory/consistent.md 4; Krysl, IJNME 63 (2005) 2171.
+   ! bodies with two equal inertias. Source: docs/theory/consistent.md 4; Krysl, IJNME 63 (2005).
 
    !> x += h v and the turn of leads lo..hi over h
    subroutine midpoint_drift(model, state, h, lo, hi)
