@@ -1,4 +1,5 @@
 !> Model -> constants and first state of the consistent formulation.
+!> One file: constants and first state come from the same cards, in one order.
 module kj_consistent_build
    use kj_kinds, only: wp
    use kj_team, only: new_team

@@ -1,6 +1,7 @@
 !> Boundary conditions and imposed motion under the consistent formulation: projections of velocity
 !> and angular momentum in the half kicks, exact turns about a single free axis in the drift.
 !> Source: docs/theory/consistent.md 7.
+!> One file: conditions are gathered, projected and counted by the same rows.
 module kj_consistent_conditions
    use kj_kinds, only: wp
    use kj_math3, only: rotation, to_quaternion, cross

@@ -6,6 +6,7 @@
 !> 4 M_j - h^2 K_j > 0 for every joint alone: h = 2/sqrt(max lambda_j), lambda_j the largest
 !> eigenvalue of K^1/2 (sum_b B_b M_b^-1 B_b^T / s_bj) K^1/2.
 !> Source: docs/theory/time_step.md 3 to 5.
+!> One file: the bound and what one joint shows to it.
 module kj_consistent_safe_step
    use kj_kinds, only: wp
    use kj_math3, only: cross
