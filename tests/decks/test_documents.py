@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Check what README.md and docs/ show: snippets run, cards are those of a deck, links lead
-somewhere, plots are drawn.
+somewhere, sources in comments exist, plots are drawn.
 
 usage: test_documents.py KJOINT WORK_DIR [LIBRARY]     (needs all of tools/requirements.txt)
 
@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).parents[2]
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 PLOT = ROOT / "tools" / "plot_history.py"
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -41,12 +41,33 @@ def cards():
             yield f"README.md: cards that no deck has\n{block}"
 
 
+def anchors(document):
+    """Names that the headings of a document give, as a forge makes them."""
+    headings = re.findall(r"^#+ (.*)$", document.read_text(), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
 def links():
-    """Links to files that do not exist."""
+    """Links to files or headings that do not exist."""
     for document in DOCUMENTS:
-        for target in re.findall(r"\]\(([^)#:]+)\)", document.read_text()):
-            if not (document.parent / target).exists():
+        for target in re.findall(r"\]\(([^):]+)\)", document.read_text()):
+            path, _, anchor = target.partition("#")
+            other = document.parent / path if path else document
+            if not other.exists():
                 yield f"{document.name}: no file {target}"
+            elif anchor and anchor not in anchors(other):
+                yield f"{document.name}: no heading {target}"
+
+
+def citations():
+    """Sources in comments that name a section of docs/theory that does not exist."""
+    for path in sorted((ROOT / "src").rglob("*.f90")):
+        for name, numbers in re.findall(r"docs/theory/(\w+\.md) (\d[\d., to]*)", path.read_text()):
+            page = ROOT / "docs" / "theory" / name
+            sections = re.findall(r"^#+ (\d+(?:\.\d+)*)", page.read_text(), re.M) if page.exists() else []
+            for number in re.findall(r"\d+(?:\.\d+)*", numbers):
+                if number not in sections:
+                    yield f"{path.name}: no section {number} in docs/theory/{name}"
 
 
 def plots(work):
@@ -73,8 +94,8 @@ def main(kjoint, folder, library=None):
     deck = ROOT / "decks" / "slider_crank_0000.rad"
     program = pathlib.Path(kjoint).resolve()
     subprocess.run([program, "run", "-q", deck], cwd=work, check=True)
-    problems = [*snippets(work), *cards(), *links(), *plots(work)]
-    print("\n".join(problems) or "all snippets, cards, links and plots are well")
+    problems = [*snippets(work), *cards(), *links(), *citations(), *plots(work)]
+    print("\n".join(problems) or "all snippets, cards, links, sources and plots are well")
     return 1 if problems else 0
 
 
