@@ -263,7 +263,7 @@ contains
                result%force = s%fe(i, :) + s%fd(i, :)
                if (allocated(s%friction)) result%force = result%force + s%friction(i, :)
                result%displacement = s%q(i, :)
-               result%frame = reshape(frame_of(set%model%geometry(ref%batch), s, i), [3, 3])
+               result%frame = reshape(frame_of(set%model%batch(ref%batch), s, i), [3, 3])
                result%energy = s%elastic(i) + s%dissipated(i)
                result%dissipated = s%dissipated(i)
             end associate
@@ -311,7 +311,7 @@ contains
             if (set%legacy) then
                e = set%state%joint(ref%batch)%e(ref%place, :)
             else
-               e = frame_of(set%model%geometry(ref%batch), set%cs%joint(ref%batch), ref%place)
+               e = frame_of(set%model%batch(ref%batch), set%cs%joint(ref%batch), ref%place)
             end if
             cosine = dot_product(e(4:6), e(7:9))
             loss = abs(asin(max(-1.0_wp, min(1.0_wp, cosine))))

@@ -123,9 +123,8 @@ contains
 
       associate (m => set%model%model_t)
          do b = 1, size(m%batch)
-            deallocate (m%batch(b)%node, m%batch(b)%lead, m%batch(b)%skew, m%batch(b)%xl0, &
-               m%batch(b)%frame0, m%batch(b)%k, m%batch(b)%c, m%batch(b)%k_curve, &
-               m%batch(b)%c_curve, m%batch(b)%angle0)
+            deallocate (m%batch(b)%node, m%batch(b)%skew)
+            if (.not. is_spring(m%batch(b))) deallocate (m%batch(b)%frame0)
          end do
          deallocate (m%axes, m%principal, m%node_id, m%body_id, m%n_secondary)
          if (reads_nodes(set)) return

@@ -127,7 +127,7 @@ contains
          end associate
          sim%state%joint(ref%batch)%locked(ref%place) = .false.
          if (sim%legacy) return
-         associate (limit => sim%model%geometry(ref%batch)%limit)
+         associate (limit => sim%model%batch(ref%batch)%limit)
             limit%t_lock(ref%place) = t_lock
             limit%t_free(ref%place) = t_free
          end associate

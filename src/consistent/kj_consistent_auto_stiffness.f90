@@ -119,23 +119,23 @@ contains
 
       integer :: b, i, dof
 
-      do b = 1, size(model%geometry)
-         if (.not. model%geometry(b)%limited) cycle
-         if (.not. any(model%geometry(b)%limit%automatic)) cycle
-         associate (batch => model%geometry(b))
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%limited) cycle
+         if (.not. any(model%batch(b)%limit%automatic)) cycle
+         associate (batch => model%batch(b))
             do dof = 1, NDOF
                if (joint_types(batch%row)%free(dof) == 1) cycle
                batch%law(dof) = LAW_SPRING + LAW_DAMPER
                do i = 1, batch%n
                   if (.not. batch%limit%automatic(i)) cycle
-                  batch%k(i, dof) = omega**2*batch%inertia(i, dof)
-                  batch%c(i, dof) = model%batch(b)%cr(i)*omega*batch%inertia(i, dof)
+                  batch%k(i, dof) = omega**2*batch%geometry%inertia(i, dof)
+                  batch%c(i, dof) = model%batch(b)%cr(i)*omega*batch%geometry%inertia(i, dof)
                end do
             end do
             do i = 1, batch%n
                if (.not. batch%limit%automatic(i)) cycle
-               batch%limit%k_block(i, 1) = omega**2*maxval(batch%inertia(i, 1:3))
-               batch%limit%k_block(i, 2) = omega**2*maxval(batch%inertia(i, 4:6))
+               batch%limit%k_block(i, 1) = omega**2*maxval(batch%geometry%inertia(i, 1:3))
+               batch%limit%k_block(i, 2) = omega**2*maxval(batch%geometry%inertia(i, 4:6))
             end do
          end associate
       end do
@@ -148,16 +148,16 @@ contains
       real(wp) :: s
       integer :: b, i
 
-      do b = 1, size(model%geometry)
-         if (.not. model%geometry(b)%limited) cycle
-         do i = 1, model%geometry(b)%n
-            if (.not. model%geometry(b)%limit%automatic(i)) cycle
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%limited) cycle
+         do i = 1, model%batch(b)%n
+            if (.not. model%batch(b)%limit%automatic(i)) cycle
             s = model%batch(b)%limit%scale(i)
-            where (joint_types(model%geometry(b)%row)%free == 0)
-               model%geometry(b)%k(i, :) = s*model%geometry(b)%k(i, :)
-               model%geometry(b)%c(i, :) = sqrt(s)*model%geometry(b)%c(i, :)
+            where (joint_types(model%batch(b)%row)%free == 0)
+               model%batch(b)%k(i, :) = s*model%batch(b)%k(i, :)
+               model%batch(b)%c(i, :) = sqrt(s)*model%batch(b)%c(i, :)
             end where
-            model%geometry(b)%limit%k_block(i, :) = s*model%geometry(b)%limit%k_block(i, :)
+            model%batch(b)%limit%k_block(i, :) = s*model%batch(b)%limit%k_block(i, :)
          end do
       end do
    end subroutine scale_stiffness

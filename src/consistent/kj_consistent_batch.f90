@@ -1,4 +1,4 @@
-!> Arrays of all joints of one batch under the consistent formulation: constants and state.
+!> State of all joints of one batch under the consistent formulation.
 module kj_consistent_batch
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
@@ -9,43 +9,10 @@ module kj_consistent_batch
    implicit none
    private
 
-   public :: consistent_batch_t, consistent_joint_t, new_consistent_joint, new_consistent_limits, &
-      chart_of, matrix_of, frame_of, sprung_dofs, damped_dofs
+   public :: consistent_joint_t, new_consistent_joint, new_consistent_limits, chart_of, matrix_of, &
+      frame_of, sprung_dofs, damped_dofs
 
    integer, parameter, public :: N_B = 30             !! numbers of the matrix B of a joint
-
-   !> Constants, work units
-   type :: consistent_batch_t
-      integer :: n = 0
-      integer :: first = 0                       !! joints before this batch
-      integer :: row = 0                         !! row of kj_joint_types
-      integer :: chart = 0                       !! CHART_ constant
-      logical :: mean = .true.                   !! translations in the mean frame, else of body 1
-      logical :: spring = .false.                !! of /PROP/TYPE4 or TYPE8: has frame and axes
-      integer :: frame = 0                       !! FRAME_ constant
-      real(wp), allocatable :: axes(:, :)        !! (n, 9) axes at the start, W; of springs only
-      integer :: law(NDOF) = 0                   !! LAW_ bits of kj_joint_batch
-      !> (n) equal springs without a length: no frame needed
-      logical, allocatable :: plain(:)
-      logical :: damped = .false.                !! any dof has damping
-      integer, allocatable :: lead(:, :)         !! (n, 2)
-      !> (n, 6) node 1 and node 2 from their leads, body axes
-      real(wp), allocatable :: arm(:, :)
-      real(wp), allocatable :: triad(:, :)       !! (n, 8) quaternions of the triads in body axes
-      real(wp), allocatable :: apart(:, :)       !! (n, 3) lead 2 from lead 1 at the start, W
-      real(wp), allocatable :: xl0(:, :)         !! (n, 3) offset at the start, J
-      real(wp), allocatable :: angle0(:)         !! (n) angle(e2, e3) at the start, universal
-      !> (n, 6) stiffness and damping, or scale of the curve
-      real(wp), allocatable :: k(:, :), c(:, :)
-      !> (n, 6) where law has curves, else not allocated
-      integer, allocatable :: k_curve(:, :), c_curve(:, :)
-      logical :: shifted = .false.               !! some angle does not start at 0
-      real(wp), allocatable :: shift(:, :)       !! (n, 3) these angles [rad]; not allocated: none
-      !> has what follows, and consistent_joint_t its part
-      logical :: limited = .false.
-      type(limits_t) :: limit
-      real(wp), allocatable :: inertia(:, :)     !! (n, 6) effective mass or inertia of each dof
-   end type consistent_batch_t
 
    !> State
    type :: consistent_joint_t
@@ -86,7 +53,7 @@ contains
 
    !> The dofs of a batch that may have an elastic force
    pure function sprung_dofs(batch) result(on)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       logical :: on(NDOF)
 
       on = batch%limited .or. iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE) /= 0
@@ -94,7 +61,7 @@ contains
 
    !> The dofs of a batch that may have a damping force
    pure function damped_dofs(batch) result(on)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       logical :: on(NDOF)
 
       on = batch%limited .or. iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0
@@ -122,7 +89,7 @@ contains
    !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a
    !> universal joint the dual basis of its axes
    pure function frame_of(batch, joint, j) result(e)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_joint_t), intent(in) :: joint
       integer, intent(in) :: j
       real(wp) :: e(9)
@@ -131,7 +98,7 @@ contains
 
       b = matrix_of(joint, j)
       e = b(1:9)
-      if (batch%chart /= CHART_UNIVERSAL) return
+      if (batch%geometry%chart /= CHART_UNIVERSAL) return
       e(4:6) = unit(cross(b(7:9), b(1:3)))
       e(7:9) = unit(cross(b(1:3), b(4:6)))
    end function frame_of

@@ -9,11 +9,10 @@ module kj_consistent_build
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
-      LAW_SPRING_CURVE
+      LAW_SPRING_CURVE, geometry_t
    use kj_model, only: load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
-   use kj_consistent_batch, only: consistent_batch_t, chart_of, new_consistent_joint, &
-      new_consistent_limits
+   use kj_consistent_batch, only: chart_of, new_consistent_joint, new_consistent_limits
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
    use kj_consistent_conditions, only: collect_holds, at_rest, all_blocked, motion_targets, &
@@ -25,8 +24,7 @@ module kj_consistent_build
    implicit none
    private
 
-   public :: build_consistent_model, new_consistent_state, settle, build_limits, &
-      direction_inertia, start_energies
+   public :: build_consistent_model, new_consistent_state, settle
 
 contains
 
@@ -36,10 +34,10 @@ contains
 
       integer :: b, i, lead, j
 
-      if (allocated(model%geometry)) deallocate (model%geometry, model%hold_of, model%arm, &
+      if (allocated(model%arm)) deallocate (model%hold_of, model%arm, &
          model%inverse_mass, model%spin_inertia, model%inverse_inertia, model%quat0, model%axes0, &
          model%equal, model%hold, model%hold_to, model%wave%stage)
-      allocate (model%geometry(size(model%batch)), model%hold_of(model%n_lead))
+      allocate (model%hold_of(model%n_lead))
       model%n_end = model%map%first(2:) - model%map%first(:model%n_lead)
       call collect_holds(model)
       call set_inertia(model)
@@ -50,13 +48,13 @@ contains
             reshape(model%axes0(lead, :), [3, 3]))
       end do
       do b = 1, size(model%batch)
-         call build_batch(model, model%batch(b), model%geometry(b))
+         call build_batch(b, model)
       end do
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
          min(SPAN, model%n_end), model%team)
       call new_plan(model%batch%first, model%map, model%team, model%once)
       call plan_of_leads(model%team, model%alone)
-      model%damped = any([(model%geometry(b)%damped, b=1, size(model%geometry))])
+      model%damped = any([(model%batch(b)%geometry%damped, b=1, size(model%batch))])
       if (model%damped) call new_plan(model%batch%first, model%map, model%team, model%twice, &
          rests=at_rest(model))
       model%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
@@ -178,62 +176,52 @@ contains
       axes(:, 3) = cross(axes(:, 1), axes(:, 2))
    end subroutine sort_axes
 
-   !> Constants of one batch; damping of blocked rotations from the effective inertia of the
-   !> direction
-   subroutine build_batch(model, old, batch)
-      type(consistent_model_t), intent(in) :: model
-      type(joint_batch_t), intent(in) :: old
-      type(consistent_batch_t), intent(out) :: batch
+   !> What a batch gets under the consistent formulation: its geometry; offsets of universal joints
+   !> on the dual basis; damping of blocked rotations from the effective inertia of the direction
+   subroutine build_batch(b, model)
+      integer, intent(in) :: b
+      type(consistent_model_t), intent(inout) :: model
 
-      real(wp) :: e(3, 3), t(3, 3), r(3)
+      type(geometry_t) :: g
+      real(wp) :: e(3, 3), t(3, 3), r(3), m
       integer :: i, s, dof
 
-      batch%n = old%n
-      batch%first = old%first
-      batch%row = old%row
-      batch%chart = chart_of(old)
-      batch%spring = is_spring(old)
-      batch%frame = old%frame
-      if (batch%spring) batch%axes = old%frame0
-      batch%mean = old%frame /= FRAME_FIRST .and. .not. batch%spring
-      batch%law = old%law
-      batch%damped = any(iand(old%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0)
-      batch%lead = old%lead
-      batch%k = old%k
-      batch%c = old%c
-      if (any(iand(old%law, LAW_SPRING_CURVE) /= 0)) batch%k_curve = old%k_curve
-      if (any(iand(old%law, LAW_DAMPER_CURVE) /= 0)) batch%c_curve = old%c_curve
-      batch%xl0 = old%xl0
-      batch%apart = model%x0(old%lead(:, 2), :) - model%x0(old%lead(:, 1), :)
-      batch%plain = [(all(joint_types(old%row)%free(1:3) == 0) .and. batch%mean .and. &
-         batch%chart == CHART_VECTOR .and. norm2(old%xl0(i, :)) <= 0.0_wp, i=1, old%n)]
-      allocate (batch%arm(old%n, 6), batch%triad(old%n, 8), batch%angle0(old%n))
-      batch%angle0 = 0.0_wp
-      do i = 1, old%n
-         e = reshape(old%frame0(i, :), [3, 3])
-         do s = 1, 2
-            t = e
-            if (batch%chart == CHART_UNIVERSAL .and. s == 1) t(:, 3) = cross(e(:, 1), e(:, 2))
-            if (batch%chart == CHART_UNIVERSAL .and. s == 2) t(:, 2) = cross(e(:, 3), e(:, 1))
-            t = matmul(transpose(reshape(model%axes0(old%lead(i, s), :), [3, 3])), t)
-            batch%triad(i, 4*s - 3:4*s) = to_quaternion(t)
-            batch%arm(i, 3*s - 2:3*s) = model%arm(old%node(i, s), :)
+      associate (batch => model%batch(b))
+         g%chart = chart_of(batch)
+         g%mean = batch%frame /= FRAME_FIRST .and. .not. is_spring(batch)
+         g%damped = batch%limited .or. any(iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0)
+         g%shifted = any(abs(batch%angle0) > 0.0_wp)
+         g%apart = model%x0(batch%lead(:, 2), :) - model%x0(batch%lead(:, 1), :)
+         g%plain = [(all(joint_types(batch%row)%free(1:3) == 0) .and. g%mean .and. &
+            g%chart == CHART_VECTOR .and. norm2(batch%xl0(i, :)) <= 0.0_wp, i=1, batch%n)]
+         allocate (g%arm(batch%n, 6), g%triad(batch%n, 8), g%axis_angle(batch%n), source=0.0_wp)
+         if (batch%limited) allocate (g%inertia(batch%n, 6))
+         do i = 1, batch%n
+            e = reshape(batch%frame0(i, :), [3, 3])
+            do s = 1, 2
+               t = e
+               if (g%chart == CHART_UNIVERSAL .and. s == 1) t(:, 3) = cross(e(:, 1), e(:, 2))
+               if (g%chart == CHART_UNIVERSAL .and. s == 2) t(:, 2) = cross(e(:, 3), e(:, 1))
+               t = matmul(transpose(reshape(model%axes0(batch%lead(i, s), :), [3, 3])), t)
+               g%triad(i, 4*s - 3:4*s) = to_quaternion(t)
+               g%arm(i, 3*s - 2:3*s) = model%arm(batch%node(i, s), :)
+            end do
+            if (batch%frame == FRAME_CROSS) then
+               g%axis_angle(i) = atan2(norm2(cross(e(:, 2), e(:, 3))), dot_product(e(:, 2), e(:, &
+                  3)))
+               r = model%x0(batch%node(i, 2), :) - model%x0(batch%node(i, 1), :)
+               batch%xl0(i, :) = dual_components(e, r)
+            end if
+            if (batch%limited) g%inertia(i, 1:3) = batch%reduced(i, 1)
+            do dof = 4, 6
+               m = direction_inertia(model, batch%lead(i, :), e(:, dof - 3))
+               if (batch%limited) g%inertia(i, dof) = m
+               if (joint_types(batch%row)%free(dof) == 1) cycle
+               batch%c(i, dof) = batch%cr(i)*sqrt(batch%k(i, dof)*m)
+            end do
          end do
-         if (old%frame == FRAME_CROSS) then
-            batch%angle0(i) = atan2(norm2(cross(e(:, 2), e(:, 3))), dot_product(e(:, 2), e(:, 3)))
-            r = model%x0(old%node(i, 2), :) - model%x0(old%node(i, 1), :)
-            batch%xl0(i, :) = dual_components(e, r)
-         end if
-         do dof = 4, 6
-            if (joint_types(old%row)%free(dof) == 1) cycle
-            batch%c(i, dof) = old%cr(i)*sqrt(old%k(i, dof)*direction_inertia(model, old%lead(i, &
-               :), &
-               e(:, dof - 3)))
-         end do
-      end do
-      batch%shifted = any(abs(old%angle0) > 0.0_wp)
-      if (batch%shifted) batch%shift = old%angle0
-      if (old%limited) call build_limits(model, old, batch)
+         batch%geometry = g
+      end associate
    end subroutine build_batch
 
    !> Components of r on the dual basis of the columns of e
@@ -280,10 +268,10 @@ contains
       allocate (state%node, source=model%x0(:n_own, :))
       allocate (state%skew(0:model%skews%n, 9))
       state%skew = model%skews%axes
-      allocate (state%joint(size(model%geometry)))
-      do b = 1, size(model%geometry)
-         call new_consistent_joint(model%geometry(b)%n, state%joint(b))
-         if (model%geometry(b)%limited) call new_consistent_limits(model%geometry(b)%n, &
+      allocate (state%joint(size(model%batch)))
+      do b = 1, size(model%batch)
+         call new_consistent_joint(model%batch(b)%n, state%joint(b))
+         if (model%batch(b)%limited) call new_consistent_limits(model%batch(b)%n, &
             state%joint(b))
       end do
       allocate (state%part(N_SUM, size(model%once%hub), 2, 0:N_STEP), source=0.0_wp)
@@ -356,30 +344,6 @@ contains
       end do
    end subroutine start_motions
 
-   ! ---- Limits and first angles of KJOINT2 for the consistent formulation: constants and first
-   ! energies.
-
-   !> Limits, and the effective mass and inertia of each direction
-   subroutine build_limits(model, old, batch)
-      type(consistent_model_t), intent(in) :: model
-      type(joint_batch_t), intent(in) :: old
-      type(consistent_batch_t), intent(inout) :: batch
-
-      integer :: i, dof
-
-      batch%limited = .true.
-      batch%limit = old%limit
-      batch%damped = .true.
-      allocate (batch%inertia(old%n, 6))
-      do i = 1, old%n
-         batch%inertia(i, 1:3) = old%reduced(i, 1)
-         do dof = 4, 6
-            batch%inertia(i, dof) = direction_inertia(model, old%lead(i, :), &
-               old%frame0(i, 3*dof - 11:3*dof - 9))
-         end do
-      end do
-   end subroutine build_limits
-
    !> Effective inertia 1/(e.J1^-1 e + e.J2^-1 e) of a relative turn about e; 0 where nothing turns
    pure real(wp) function direction_inertia(model, lead, e) result(m)
       type(consistent_model_t), intent(in) :: model
@@ -406,10 +370,10 @@ contains
 
       integer :: b, i
 
-      do b = 1, size(model%geometry)
-         associate (batch => model%geometry(b), joint => state%joint(b))
+      do b = 1, size(model%batch)
+         associate (batch => model%batch(b), joint => state%joint(b))
             if (batch%limited) joint%elastic = joint%elastic + joint%stored
-            if (.not. batch%shifted) cycle
+            if (.not. batch%geometry%shifted) cycle
             do i = 1, batch%n
                joint%elastic(i) = joint%elastic(i) + spring_energy(model, batch, i)
             end do
@@ -420,14 +384,14 @@ contains
    !> Energy in the rotational springs of joint i at its first angles
    pure real(wp) function spring_energy(model, batch, i) result(u)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       integer, intent(in) :: i
 
       integer :: dof
 
       u = 0.0_wp
       do dof = 4, 6
-         associate (angle => batch%shift(i, dof - 3), k => batch%k(i, dof))
+         associate (angle => batch%angle0(i, dof - 3), k => batch%k(i, dof))
             if (iand(batch%law(dof), LAW_SPRING_CURVE) /= 0) then
                u = u + k*curve_integral(model%curves, batch%k_curve(i, dof), 0.0_wp, angle)
             else

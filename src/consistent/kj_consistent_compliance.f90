@@ -4,7 +4,8 @@ module kj_consistent_compliance
    use kj_kinds, only: wp
    use kj_joint_types, only: NDOF
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_batch_t, N_B
+   use kj_joint_batch, only: joint_batch_t
+   use kj_consistent_batch, only: N_B
    use kj_consistent_matrix, only: poses_t
    implicit none
    private
@@ -15,7 +16,7 @@ contains
 
    !> Inverse masses and inertias of the leads of both ends, times their numbers of joints
    pure subroutine end_inertias(batch, poses, from, n, im, ij1, ij2)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
       real(wp), intent(out) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)

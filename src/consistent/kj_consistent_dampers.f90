@@ -5,9 +5,9 @@ module kj_consistent_dampers
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF
-   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE
+   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, joint_batch_t
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, N_B, damped_dofs
+   use kj_consistent_batch, only: consistent_joint_t, N_B, damped_dofs
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_compliance, only: end_inertias, compliance
    use kj_consistent_stop, only: damp_round_stops
@@ -25,7 +25,7 @@ contains
    !> its number of joints; for a curve C is its slope at B v* where that is positive. h = 0: f = C
    !> B v. lo is the first joint of a block.
    pure subroutine add_dampers(batch, curves, poses, h, lo, hi, joint, wrench)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       real(wp), intent(in) :: h
@@ -79,7 +79,7 @@ contains
 
    !> Energy that the dampers of n joints from `from` take in half a step h: h/2 f.B v
    pure subroutine count_damping(batch, v, w, h, from, n, b, joint)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3) when B was found
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n             !! n <= BLOCK
@@ -104,7 +104,7 @@ contains
 
    !> Damping force of one dof at a rate, and its slope where positive
    pure subroutine damper(batch, curves, from, n, dof, rate, f, c)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: from, n, dof
       real(wp), intent(in) :: rate(BLOCK)

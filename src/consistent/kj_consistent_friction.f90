@@ -10,9 +10,9 @@ module kj_consistent_friction
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF
-   use kj_joint_batch, only: DOF_SLIDING, DOF_STICKING, has_friction
+   use kj_joint_batch, only: DOF_SLIDING, DOF_STICKING, has_friction, joint_batch_t
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
+   use kj_consistent_batch, only: consistent_joint_t
    implicit none
    private
 
@@ -27,7 +27,7 @@ contains
 
    !> Friction of all directions of joints from..from + n - 1: joint%friction
    pure subroutine rub(batch, curves, h, from, n, q, slid, joint, lost)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: h                  !! step, 0: none
       integer, intent(in) :: from, n
@@ -61,7 +61,7 @@ contains
 
    !> Limit of friction at q
    pure real(wp) function friction_limit(batch, curves, j, dof, q) result(most)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: j, dof
       real(wp), intent(in) :: q
@@ -82,7 +82,7 @@ contains
    !> the limit in r, and r_old is inside, that is never negative while the limit stays; where it
    !> shrinks as the motion turns round, nothing is counted.
    pure subroutine rub_together(batch, h, j, in, slid, joint, lost)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h
       integer, intent(in) :: j
       logical, intent(in) :: in(NDOF)
@@ -110,7 +110,8 @@ contains
          if (slides .or. .not. h > 0.0_wp) cycle
          room = most(dof)
          if (r(dof)*slid(dof) > 0.0_wp) room = (1.0_wp - load)*most(dof)
-         joint%c_limit(j, dof) = min(batch%limit%cr(j)*sqrt(k(dof)*batch%inertia(j, dof)), &
+         joint%c_limit(j, dof) = min(batch%limit%cr(j)*sqrt(k(dof)*batch%geometry%inertia(j, &
+            dof)), &
             room*h/max(abs(slid(dof)), TINY_VALUE))
       end do
       if (slides) lost = lost + max(0.0_wp, work)
@@ -149,7 +150,7 @@ contains
    !> Relative turn of the last step in the joint frame, rows of rot: a chart of three free
    !> rotations stretches turns the more the larger they are, friction knows nothing of that
    pure subroutine turn_in_frame(batch, psi, from, n, rot, turn)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: psi(:, :)          !! (n_lead, 3) rotation vectors of the step, W
       integer, intent(in) :: from, n
       real(wp), intent(in) :: rot(BLOCK, 9)

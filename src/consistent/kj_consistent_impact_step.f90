@@ -18,8 +18,8 @@
 module kj_consistent_impact_step
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: DOF_STICKING
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
+   use kj_joint_batch, only: DOF_STICKING, joint_batch_t
+   use kj_consistent_batch, only: consistent_joint_t
    use kj_consistent_stop, only: stop_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_safe_step, only: compliances
@@ -83,10 +83,10 @@ contains
       if (state%time >= contact%until) contact%h_stop = huge(1.0_wp)
       if (state%cycle == 0) call watch_windup(model, state, h, contact)
       if (state%time >= contact%until_wind) contact%h_wind = huge(1.0_wp)
-      do b = 1, size(model%geometry)
-         if (.not. model%geometry(b)%limited) cycle
-         do i = 1, model%geometry(b)%n
-            if (.not. meets_stop(model%geometry(b), state%joint(b), i, MARGIN*ahead)) cycle
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%limited) cycle
+         do i = 1, model%batch(b)%n
+            if (.not. meets_stop(model%batch(b), state%joint(b), i, MARGIN*ahead)) cycle
             omega = stop_frequency(model, state, b, i)
             if (.not. omega > 0.0_wp) cycle
             contact%h_stop = min(contact%h_stop, FINE/omega)
@@ -106,10 +106,10 @@ contains
       real(wp) :: step
       integer :: b, i
 
-      do b = 1, size(model%geometry)
-         if (.not. model%geometry(b)%limited) cycle
-         do i = 1, model%geometry(b)%n
-            step = windup_step(model%geometry(b), state%joint(b), i, h)
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%limited) cycle
+         do i = 1, model%batch(b)%n
+            step = windup_step(model%batch(b), state%joint(b), i, h)
             if (step >= h) cycle
             contact%h_wind = min(contact%h_wind, step)
             contact%until_wind = max(contact%until_wind, 1.5_wp*WINDUP*step)
@@ -119,7 +119,7 @@ contains
 
    !> Step that resolves how friction of joint i at rest comes to its limit; huge when h does
    pure real(wp) function windup_step(batch, joint, i, h) result(step)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_joint_t), intent(in) :: joint
       integer, intent(in) :: i
       real(wp), intent(in) :: h
@@ -138,7 +138,7 @@ contains
 
    !> Joint i is inside its stops and comes to one within the time ahead
    pure logical function meets_stop(batch, joint, i, ahead) result(meets)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_joint_t), intent(in) :: joint
       integer, intent(in) :: i
       real(wp), intent(in) :: ahead
@@ -147,7 +147,7 @@ contains
       integer :: dof, s
 
       q = joint%q(i, :)
-      if (batch%shifted) q(4:6) = q(4:6) + batch%shift(i, :)
+      if (batch%geometry%shifted) q(4:6) = q(4:6) + batch%angle0(i, :)
       meets = .true.
       associate (lo => batch%limit%lo(i, :), hi => batch%limit%hi(i, :), &
          in => batch%limit%combined(i, :), rate => joint%qd(i, :))
@@ -182,7 +182,7 @@ contains
 
       omega = 0.0_wp
       call compliances(model, state, b, i, s)
-      associate (batch => model%geometry(b))
+      associate (batch => model%batch(b))
          do dof = 1, NDOF
             if (.not. (batch%limit%lo(i, dof) < 0.0_wp .or. batch%limit%hi(i, dof) > 0.0_wp)) cycle
             omega = max(omega, sqrt(stop_stiffness(batch, i, dof)*(s(dof, dof, 1) + &

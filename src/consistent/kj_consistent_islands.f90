@@ -135,7 +135,7 @@ contains
       end subroutine add_skew
    end subroutine find_leads
 
-   !> Constants, first state and first limit of a part. Automatic stiffness of joints stays what the
+   !> Constants, first state and first limit of a part. Stiffness and damping of joints stay what the
    !> whole scene gave: islands change the steps, not the scene.
    subroutine start_part(model, whole, part)
       type(consistent_model_t), intent(in) :: model
@@ -146,14 +146,11 @@ contains
 
       call build_consistent_model(part%model)
       from = 0
-      do b = 1, size(part%model%geometry)
-         associate (new => part%model%geometry(b), old => model%geometry(part%cut%batch(b)))
+      do b = 1, size(part%model%batch)
+         associate (new => part%model%batch(b), old => model%batch(part%cut%batch(b)))
             associate (rows => part%cut%element(from + 1:from + new%n) - old%first)
                from = from + new%n
-               new%law = old%law
-               new%k = old%k(rows, :)
                new%c = old%c(rows, :)
-               if (new%limited) new%limit%k_block = old%limit%k_block(rows, :)
             end associate
          end associate
       end do
@@ -300,7 +297,7 @@ contains
          there = cut%batch(b)
          associate (n => section%batch(b)%n)
             call gather_batch(from%joint(b), cut%element(last + 1:last + n) - &
-               model%geometry(there)%first, model%geometry(there)%limited, state%joint(there))
+               model%batch(there)%first, model%batch(there)%limited, state%joint(there))
             last = last + n
          end associate
       end do

@@ -4,9 +4,8 @@
 module kj_consistent_march
    use kj_kinds, only: wp
    use kj_skew, only: axis_of
-   use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE
+   use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE, joint_batch_t
    use kj_joint_types, only: CHART_VECTOR
-   use kj_consistent_batch, only: consistent_batch_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_block, only: BLOCK
    use kj_consistent_chart, only: quaternion_frame
@@ -187,13 +186,13 @@ contains
       real(wp), parameter :: NEAR = 6.2_wp           !! a little less than 2 pi [rad]
       integer :: b, i
 
-      do b = 1, size(model%geometry)
-         if (model%geometry(b)%chart /= CHART_VECTOR) cycle
+      do b = 1, size(model%batch)
+         if (model%batch(b)%geometry%chart /= CHART_VECTOR) cycle
          associate (q => state%joint(b)%q)
-            do i = 1, model%geometry(b)%n
+            do i = 1, model%batch(b)%n
                if (.not. q(i, 4)**2 + q(i, 5)**2 + q(i, 6)**2 > NEAR**2) cycle
-               joint = model%geometry(b)%first + i
-               if (needs_angles(model%geometry(b), i)) return
+               joint = model%batch(b)%first + i
+               if (needs_angles(model%batch(b), i)) return
             end do
          end associate
       end do
@@ -203,10 +202,10 @@ contains
    !> Joint i has a spring, a stop, a lock, a limit of friction or a mean frame that hangs on its
    !> angles
    pure logical function needs_angles(batch, i) result(needs)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       integer, intent(in) :: i
 
-      needs = .not. batch%plain(i) .or. &
+      needs = .not. batch%geometry%plain(i) .or. &
          any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
       if (.not. batch%limited) return
       associate (l => batch%limit)
@@ -321,11 +320,11 @@ contains
       integer :: b, i
 
       u = 0.0_wp
-      do b = 1, size(model%geometry)
-         associate (k => model%geometry(b)%k, lead => model%geometry(b)%lead)
-            do i = 1, model%geometry(b)%n
+      do b = 1, size(model%batch)
+         associate (k => model%batch(b)%k, lead => model%batch(b)%lead)
+            do i = 1, model%batch(b)%n
                reach = maxval(abs(state%poses%x(lead(i, :), :))) + &
-                  maxval(abs(model%geometry(b)%arm(i, :)))
+                  maxval(abs(model%batch(b)%geometry%arm(i, :)))
                u = u + 0.5_wp*STRAIN**2*(reach**2*sum(abs(k(i, 1:3))) + sum(abs(k(i, 4:6))))
             end do
          end associate

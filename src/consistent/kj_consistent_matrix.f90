@@ -5,7 +5,8 @@ module kj_consistent_matrix
    use kj_kinds, only: wp
    use kj_joint_types, only: NDOF
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, N_B
+   use kj_joint_batch, only: joint_batch_t
+   use kj_consistent_batch, only: consistent_joint_t, N_B
    implicit none
    private
 
@@ -87,7 +88,7 @@ contains
 
    !> Rates of all joints of a batch with the velocities of the poses
    pure subroutine joint_rates(batch, poses, joint, rate)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
       type(consistent_joint_t), intent(in) :: joint
       real(wp), intent(out) :: rate(:, :)        !! (n, 6) J
@@ -105,7 +106,7 @@ contains
 
    !> q' = B v: translations e.(v2 - v1 - w2 x d) + m1.(w2 - w1), rotations rot.(w2 - w1)
    pure subroutine rates(batch, on, v, w, from, n, b, rate)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       logical, intent(in) :: on(NDOF)            !! rates that are wanted
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3)
       integer, intent(in) :: from, n

@@ -3,7 +3,7 @@
 module kj_consistent_nodal_step
    use kj_kinds, only: wp
    use kj_lapack, only: largest_eigenvalue
-   use kj_joint_batch, only: joint_state_t, LAW_SPRING_CURVE
+   use kj_joint_batch, only: is_spring, joint_state_t, LAW_SPRING_CURVE
    use kj_nodal_stiffness, only: start_stiffness, step_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_conditions, only: body_matrix
@@ -29,24 +29,25 @@ contains
       kn = 0.0_wp
       kr = 0.0_wp
       do b = 1, size(model%batch)
-         times = merge(1.0_wp, 2.0_wp, model%geometry(b)%spring)
+         times = merge(1.0_wp, 2.0_wp, is_spring(model%batch(b)))
          if (allocated(legacy%stiff)) deallocate (legacy%stiff)
          allocate (legacy%stiff(model%batch(b)%n, 2), source=0.0_wp)
          call start_stiffness(model%batch(b), legacy)
          do i = 1, model%batch(b)%n
-            if (model%geometry(b)%limited .or. any(model%geometry(b)%law >= LAW_SPRING_CURVE)) then
-               k = largest_stiffness(model%curves, model%geometry(b), i)
+            if (model%batch(b)%limited .or. any(model%batch(b)%law >= LAW_SPRING_CURVE)) then
+               k = largest_stiffness(model%curves, model%batch(b), i)
                call step_stiffness(2, [maxval(k(1:3)), maxval(k(4:6))], &
                   model%batch(b)%c_top(i, :), [model%batch(b)%cr(i), model%batch(b)%cr(i)], &
                   model%batch(b)%reduced(i, :), legacy%stiff(i, :))
             end if
             st = legacy%stiff(i, 1)
-            sr = legacy%stiff(i, 2) + st*sum((model%geometry(b)%xl0(i, :) + state%joint(b)%q(i, &
+            sr = legacy%stiff(i, 2) + st*sum((model%batch(b)%xl0(i, :) + state%joint(b)%q(i, &
                1:3))**2)
             do e = 1, 2
-               lead = model%geometry(b)%lead(i, e)
+               lead = model%batch(b)%lead(i, e)
                kn(lead) = kn(lead) + times*st
-               kr(lead) = kr(lead) + sr + times*st*sum(model%geometry(b)%arm(i, 3*e - 2:3*e)**2)
+               kr(lead) = kr(lead) + sr + times*st*sum(model%batch(b)%geometry%arm(i, &
+                  3*e - 2:3*e)**2)
             end do
          end do
       end do
@@ -86,12 +87,12 @@ contains
       h = 0.0_wp
       if (6*model%n_lead > most) return
       allocate (a(6*model%n_lead, 6*model%n_lead), source=0.0_wp)
-      do b = 1, size(model%geometry)
-         do i = 1, model%geometry(b)%n
-            j = model%geometry(b)%first + i
+      do b = 1, size(model%batch)
+         do i = 1, model%batch(b)%n
+            j = model%batch(b)%first + i
             do e = 1, 2
-               at(e) = model%geometry(b)%lead(i, e)
-               rows(:, 6*e - 5:6*e) = rows_of_end(model%geometry(b), state, b, i, e)
+               at(e) = model%batch(b)%lead(i, e)
+               rows(:, 6*e - 5:6*e) = rows_of_end(model%batch(b), state, b, i, e)
                p = body_matrix(state, at(e))
                rows(:, 6*e - 5:6*e - 3) = rows(:, 6*e - 5:6*e - 3)*sqrt(model%inverse_mass(at(e)))
                rows(:, 6*e - 2:6*e) = matmul(rows(:, 6*e - 2:6*e), p)* &

@@ -156,11 +156,11 @@ contains
 
       state%poses%v = state%v
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
-      do b = 1, size(model%geometry)
-         if (.not. model%geometry(b)%damped) cycle
-         do i = 1, model%geometry(b)%n, BLOCK
-            call count_damping(model%geometry(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
-               min(BLOCK, model%geometry(b)%n - i + 1), state%joint(b)%b(:, :, (i - 1)/BLOCK + 1), &
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%geometry%damped) cycle
+         do i = 1, model%batch(b)%n, BLOCK
+            call count_damping(model%batch(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
+               min(BLOCK, model%batch(b)%n - i + 1), state%joint(b)%b(:, :, (i - 1)/BLOCK + 1), &
                state%joint(b))
          end do
       end do

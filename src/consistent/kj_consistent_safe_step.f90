@@ -10,10 +10,10 @@
 module kj_consistent_safe_step
    use kj_kinds, only: wp
    use kj_math3, only: cross
-   use kj_joint_batch, only: LAW_DAMPER_CURVE, LAW_SPRING_CURVE
+   use kj_joint_batch, only: is_spring, LAW_DAMPER_CURVE, LAW_SPRING_CURVE, joint_batch_t
    use kj_block, only: BLOCK
    use kj_joint_types, only: CHART_VECTOR, CHART_LINE
-   use kj_consistent_batch, only: consistent_batch_t, matrix_of, N_B
+   use kj_consistent_batch, only: matrix_of, N_B
    use kj_consistent_compliance, only: end_inertias, compliance, eigenvalues_from_above
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias
@@ -67,16 +67,16 @@ contains
          bound%limit(model%n_element))
       allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), source=0.0_wp)
       if (explicit) allocate (bound%c(6, model%n_element))
-      if (any(model%geometry%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
-      do b = 1, size(model%geometry)
-         do i = 1, model%geometry(b)%n
-            j = model%geometry(b)%first + i
-            bound%k(:, j) = largest_stiffness(model%curves, model%geometry(b), i)
-            if (model%geometry(b)%chart == CHART_LINE) &
-               bound%k(2:3, j) = tension(model%geometry(b), state, b, i, bound%k(1, j))
+      if (any(model%batch%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
+      do b = 1, size(model%batch)
+         do i = 1, model%batch(b)%n
+            j = model%batch(b)%first + i
+            bound%k(:, j) = largest_stiffness(model%curves, model%batch(b), i)
+            if (model%batch(b)%geometry%chart == CHART_LINE) &
+               bound%k(2:3, j) = tension(model%batch(b), state, b, i, bound%k(1, j))
             if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, &
-               model%geometry(b)%law, &
-               model%geometry(b)%c(i, :), curves_of(model%geometry(b)%c_curve, i))
+               model%batch(b)%law, &
+               model%batch(b)%c(i, :), curves_of(model%batch(b)%c_curve, i))
             call compliances(model, state, b, i, s)
             do e = 1, 2
                bound%share(e, j) = eigenvalue(bound%k(:, j), s(:, :, e))
@@ -104,11 +104,11 @@ contains
       real(wp) :: lambda(size(bound%limit))
       integer :: b, i
 
-      do b = 1, size(model%geometry)
-         if (model%geometry(b)%chart /= CHART_LINE) cycle
-         do i = 1, model%geometry(b)%n
-            associate (k => bound%k(:, model%geometry(b)%first + i))
-               k(2:3) = tension(model%geometry(b), state, b, i, k(1))
+      do b = 1, size(model%batch)
+         if (model%batch(b)%geometry%chart /= CHART_LINE) cycle
+         do i = 1, model%batch(b)%n
+            associate (k => bound%k(:, model%batch(b)%first + i))
+               k(2:3) = tension(model%batch(b), state, b, i, k(1))
             end associate
          end do
       end do
@@ -149,7 +149,7 @@ contains
          c_part(BLOCK, 6), part(BLOCK), root(BLOCK), w1, w2, g
       integer :: from, n, i, j
 
-      associate (batch => model%geometry(piece(1)), joint => state%joint(piece(1)))
+      associate (batch => model%batch(piece(1)), joint => state%joint(piece(1)))
          do from = piece(2), piece(3), BLOCK
             n = min(BLOCK, piece(3) - from + 1)
             call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
@@ -161,7 +161,7 @@ contains
                ij1(i, :) = ij1(i, :)*w1
                ij2(i, :) = ij2(i, :)*w2
                g = 1.0_wp
-               if (batch%chart == CHART_VECTOR) g = spin_up(joint%q(from + i - 1, 4:6))
+               if (batch%geometry%chart == CHART_VECTOR) g = spin_up(joint%q(from + i - 1, 4:6))
                k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
                if (.not. allocated(bound%c)) cycle
                c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
@@ -189,7 +189,7 @@ contains
 
    !> Transverse stiffness F/L of a stretched spring along its line; k where it has no length
    pure real(wp) function tension(batch, state, b, i, k) result(stiffness)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: b, i
       real(wp), intent(in) :: k
@@ -210,12 +210,12 @@ contains
       integer :: b, from, to
 
       moved = .true.
-      do b = 1, size(model%geometry)
-         do from = 1, model%geometry(b)%n, BLOCK
-            to = min(from + BLOCK - 1, model%geometry(b)%n)
-            if (block_moved(from, to, model%geometry(b)%first, state%joint(b)%q, bound)) return
-            if (.not. model%geometry(b)%spring) cycle
-            if (axes_moved(model%geometry(b), state, b, from, to, bound)) return
+      do b = 1, size(model%batch)
+         do from = 1, model%batch(b)%n, BLOCK
+            to = min(from + BLOCK - 1, model%batch(b)%n)
+            if (block_moved(from, to, model%batch(b)%first, state%joint(b)%q, bound)) return
+            if (.not. is_spring(model%batch(b))) cycle
+            if (axes_moved(model%batch(b), state, b, from, to, bound)) return
          end do
       end do
       moved = .false.
@@ -243,7 +243,7 @@ contains
 
    !> Axes of springs do not turn with the coordinates alone
    pure logical function axes_moved(batch, state, b, from, to, bound) result(moved)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: b, from, to
       type(bound_t), intent(in) :: bound
@@ -289,12 +289,13 @@ contains
       do piece = 1, size(model%team%joint, 2)
          associate (b => model%team%joint(1, piece))
             do i = model%team%joint(2, piece), model%team%joint(3, piece)
-               j = model%geometry(b)%first + i
+               j = model%batch(b)%first + i
                bound%q(j, :) = state%joint(b)%q(i, :)
-               bound%reach(j) = TURN*max(tiny(1.0_wp), norm2(model%geometry(b)%arm(i, 1:3)) + &
-                  norm2(model%geometry(b)%arm(i, 4:6)) + norm2(model%geometry(b)%xl0(i, :) + &
+               bound%reach(j) = TURN*max(tiny(1.0_wp), norm2(model%batch(b)%geometry%arm(i, &
+                  1:3)) + &
+                  norm2(model%batch(b)%geometry%arm(i, 4:6)) + norm2(model%batch(b)%xl0(i, :) + &
                   bound%q(j, 1:3)))
-               if (model%geometry(b)%spring) bound%rows(:, j) = rows_of(state, b, i)
+               if (is_spring(model%batch(b))) bound%rows(:, j) = rows_of(state, b, i)
             end do
          end associate
       end do
@@ -328,9 +329,9 @@ contains
       real(wp) :: s(6, 6, 2)
       integer :: b, i, j
 
-      do b = 1, size(model%geometry)
-         do i = 1, model%geometry(b)%n
-            j = model%geometry(b)%first + i
+      do b = 1, size(model%batch)
+         do i = 1, model%batch(b)%n
+            j = model%batch(b)%first + i
             call compliances(model, state, b, i, s)
             s(:, :, 1) = s(:, :, 1)/bound%share(1, j) + s(:, :, 2)/bound%share(2, j)
             lambda(j) = eigenvalue(bound%k(:, j), s(:, :, 1))
@@ -349,11 +350,11 @@ contains
 
       integer :: b, i, j, e
 
-      do b = 1, size(model%geometry)
-         do i = 1, model%geometry(b)%n
-            j = model%geometry(b)%first + i
+      do b = 1, size(model%batch)
+         do i = 1, model%batch(b)%n
+            j = model%batch(b)%first + i
             do e = 1, 2
-               total(model%geometry(b)%lead(i, e)) = total(model%geometry(b)%lead(i, e)) + &
+               total(model%batch(b)%lead(i, e)) = total(model%batch(b)%lead(i, e)) + &
                   bound%share(e, j)*lambda(j)
             end do
          end do
@@ -368,13 +369,13 @@ contains
 
       integer :: b, i, j, e
 
-      do b = 1, size(model%geometry)
-         do i = 1, model%geometry(b)%n
-            j = model%geometry(b)%first + i
+      do b = 1, size(model%batch)
+         do i = 1, model%batch(b)%n
+            j = model%batch(b)%first + i
             do e = 1, 2
-               if (total(model%geometry(b)%lead(i, e)) > 0.0_wp) then
+               if (total(model%batch(b)%lead(i, e)) > 0.0_wp) then
                   bound%share(e, j) = max(LEAST_SHARE, bound%share(e, j)* &
-                     lambda(j)/total(model%geometry(b)%lead(i, e)))
+                     lambda(j)/total(model%batch(b)%lead(i, e)))
                else
                   bound%share(e, j) = 1.0_wp
                end if
@@ -389,7 +390,7 @@ contains
    !> Largest stiffness of each dof of joint i, limits included
    pure function largest_stiffness(curves, batch, i) result(k)
       type(curve_set_t), intent(in) :: curves
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       integer, intent(in) :: i
       real(wp) :: k(6)
 
@@ -440,8 +441,8 @@ contains
       integer :: e, lead
 
       do e = 1, 2
-         lead = model%geometry(b)%lead(i, e)
-         rows = rows_of_end(model%geometry(b), state, b, i, e)
+         lead = model%batch(b)%lead(i, e)
+         rows = rows_of_end(model%batch(b), state, b, i, e)
          g = model%inverse_mass(lead)
          s(:, :, e) = matmul(rows(:, 1:3), transpose(rows(:, 1:3)))*g
          rows(:, 4:6) = matmul(rows(:, 4:6), body_matrix(state, lead))
@@ -453,7 +454,7 @@ contains
 
    !> Rows of B of one end: columns 1-3 velocity, 4-6 angular velocity of its lead
    pure function rows_of_end(batch, state, b, i, e) result(rows)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: b, i, e
       real(wp) :: rows(6, 6)
@@ -464,7 +465,7 @@ contains
       sign = merge(-1.0_wp, 1.0_wp, e == 1)
       g = 1.0_wp
       associate (joint => state%joint(b))
-         if (batch%chart == CHART_VECTOR) g = spin_up(joint%q(i, 4:6))
+         if (batch%geometry%chart == CHART_VECTOR) g = spin_up(joint%q(i, 4:6))
          m = matrix_of(joint, i)
          rows = 0.0_wp
          do k = 1, 3

@@ -4,9 +4,9 @@ module kj_consistent_snapshot
    use kj_math3, only: cross, rotation_vector
    use kj_skew, only: skew_axes
    use kj_legacy_state, only: legacy_state_t, OWNER_NONE, OWNER_JOINT
-   use kj_joint_batch, only: joint_state_t
+   use kj_joint_batch, only: joint_state_t, joint_batch_t
    use kj_joint_types, only: CHART_UNIVERSAL
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, frame_of
+   use kj_consistent_batch, only: consistent_joint_t, frame_of
    use kj_block, only: BLOCK, turn_frames
    use kj_consistent_chart, only: quaternion_frame
    use kj_consistent_matrix, only: joint_rates
@@ -214,26 +214,27 @@ contains
 
       integer :: b, j
 
-      do b = 1, size(model%geometry)
+      do b = 1, size(model%batch)
          associate (joint => cs%joint(b), out => state%joint(b))
             out%q = joint%q
             out%f = joint%fe + joint%fd
-            if (model%geometry(b)%limited) call publish_limits(model%geometry(b), joint, out)
+            if (model%batch(b)%limited) call publish_limits(model%batch(b), joint, out)
             out%energy = joint%elastic + joint%dissipated
-            call joint_rates(model%geometry(b), cs%poses, joint, out%qdot)
-            if (model%geometry(b)%chart == CHART_UNIVERSAL) then
-               do j = 1, model%geometry(b)%n
-                  out%e(j, :) = frame_of(model%geometry(b), joint, j)
+            call joint_rates(model%batch(b), cs%poses, joint, out%qdot)
+            if (model%batch(b)%geometry%chart == CHART_UNIVERSAL) then
+               do j = 1, model%batch(b)%n
+                  out%e(j, :) = frame_of(model%batch(b), joint, j)
                end do
             else
                call copy_frames(joint, out%e)
             end if
-            call show_in_mean_frame(model%geometry(b)%plain, out%e, out%q, out%f, out%qdot)
-            if (model%geometry(b)%shifted) out%q(:, 4:6) = out%q(:, 4:6) + model%geometry(b)%shift
-            associate (ortho => state%ortho(model%geometry(b)%first + 1:model%geometry(b)%first + &
-               model%geometry(b)%n))
+            call show_in_mean_frame(model%batch(b)%geometry%plain, out%e, out%q, out%f, out%qdot)
+            if (model%batch(b)%geometry%shifted) out%q(:, 4:6) = out%q(:, 4:6) + &
+               model%batch(b)%angle0
+            associate (ortho => state%ortho(model%batch(b)%first + 1:model%batch(b)%first + &
+               model%batch(b)%n))
                ortho = 0.0_wp
-               if (model%geometry(b)%chart == CHART_UNIVERSAL) ortho = skewness(out%e)
+               if (model%batch(b)%geometry%chart == CHART_UNIVERSAL) ortho = skewness(out%e)
             end associate
          end associate
       end do
@@ -242,7 +243,7 @@ contains
 
    !> What stops, friction and lock do
    pure subroutine publish_limits(batch, joint, out)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_joint_t), intent(in) :: joint
       type(joint_state_t), intent(inout) :: out
 

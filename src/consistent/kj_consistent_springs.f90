@@ -5,10 +5,9 @@ module kj_consistent_springs
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF, FRAME_FIXED, CHART_TWIST, CHART_VECTOR, CHART_UNIVERSAL
-   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING
+   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, joint_batch_t
    use kj_block, only: BLOCK, turn_arm
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t, N_B, sprung_dofs, &
-      damped_dofs
+   use kj_consistent_batch, only: consistent_joint_t, N_B, sprung_dofs, damped_dofs
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_dampers, only: count_damping
    use kj_consistent_stop, only: add_limits
@@ -28,7 +27,7 @@ contains
    !>
    !> lo is the first joint of a block: a multiple of BLOCK, plus 1.
    pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: lo, hi
@@ -45,7 +44,8 @@ contains
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
          at = (from - 1)/BLOCK + 1
-         if (batch%damped .and. poses%h > 0.0_wp) call count_damping(batch, poses%v, poses%w_left, &
+         if (batch%geometry%damped .and. poses%h > 0.0_wp) call count_damping(batch, poses%v, &
+            poses%w_left, &
             poses%h, from, n, joint%b(:, :, at), joint)
          call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
          call laws(batch, curves, poses, from, n, q, joint%b(:, 19:27, at), joint, f, lost)
@@ -55,12 +55,12 @@ contains
             joint%dissipated(from:to) = joint%dissipated(from:to) + lost(:n)
          end if
          moment(:n, :) = 0.0_wp
-         if (batch%chart == CHART_VECTOR) then
+         if (batch%geometry%chart == CHART_VECTOR) then
             if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
          else if (any(sprung(4:6))) then
             call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
          end if
-         if (batch%damped) then
+         if (batch%geometry%damped) then
             call rates(batch, damped, poses%v, poses%w, from, n, joint%b(:, :, at), q)
             do k = 1, 6
                if (.not. damped(k)) then
@@ -106,7 +106,7 @@ contains
    !> Forces of springs, stops and locks, and the friction of the joints and its work; joint holds
    !> the coordinates of the last step
    pure subroutine laws(batch, curves, poses, from, n, q, rot, joint, f, lost)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
@@ -117,7 +117,7 @@ contains
       real(wp), dimension(BLOCK, 6) :: now, before, slid, friction
       integer :: k, to
 
-      if (.not. (batch%shifted .or. batch%limited)) then
+      if (.not. (batch%geometry%shifted .or. batch%limited)) then
          do k = 1, NDOF
             call spring(batch, curves, from, n, k, q(:, k), f(:, k))
          end do
@@ -126,16 +126,17 @@ contains
       to = from + n - 1
       now(:n, :) = q(:n, :)
       before(:n, :) = joint%q(from:to, :)
-      if (batch%shifted) then
-         now(:n, 4:6) = now(:n, 4:6) + batch%shift(from:to, :)
-         before(:n, 4:6) = before(:n, 4:6) + batch%shift(from:to, :)
+      if (batch%geometry%shifted) then
+         now(:n, 4:6) = now(:n, 4:6) + batch%angle0(from:to, :)
+         before(:n, 4:6) = before(:n, 4:6) + batch%angle0(from:to, :)
       end if
       do k = 1, NDOF
          call spring(batch, curves, from, n, k, now(:, k), f(:, k))
       end do
       if (.not. batch%limited) return
       slid(:n, :) = now(:n, :) - before(:n, :)
-      if (batch%chart == CHART_VECTOR) call turn_in_frame(batch, poses%psi, from, n, rot, slid)
+      if (batch%geometry%chart == CHART_VECTOR) call turn_in_frame(batch, poses%psi, from, n, &
+         rot, slid)
       friction(:n, :) = joint%friction(from:to, :)
       call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, joint, f, &
          lost)
@@ -146,7 +147,7 @@ contains
    !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
    !> not those of B (CHART_VECTOR)
    pure subroutine coordinates(batch, poses, from, n, last, q, b, rot)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
       real(wp), intent(in) :: last(:, :)            !! (n, 6) last coordinates of the whole batch
@@ -165,24 +166,25 @@ contains
          q(:n, k) = last(from:from + n - 1, k)
       end do
       call see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
-      if (batch%spring) then
-         e(:n, :) = batch%axes(from:from + n - 1, :)
+      if (is_spring(batch)) then
+         e(:n, :) = batch%frame0(from:from + n - 1, :)
          call spring_axes(n, batch%frame, e, t1, t2, r, b(:, 1:9), b(:, 10:18))
-      else if (.not. batch%mean) then
+      else if (.not. batch%geometry%mean) then
          call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18))
       end if
-      select case (batch%chart)
+      select case (batch%geometry%chart)
       case (CHART_TWIST)
-         call twist_chart(n, batch%mean, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
+         call twist_chart(n, batch%geometry%mean, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
             b(:, 19:27))
       case (CHART_VECTOR)
          do i = 1, n
-            scalar(i) = merge(1.0_wp, 0.0_wp, batch%plain(from + i - 1))
+            scalar(i) = merge(1.0_wp, 0.0_wp, batch%geometry%plain(from + i - 1))
          end do
-         call vector_chart(n, batch%mean, scalar, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
+         call vector_chart(n, batch%geometry%mean, scalar, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, &
+            10:18), &
             rot, b(:, 19:27))
       case (CHART_UNIVERSAL)
-         angle(:n) = batch%angle0(from:from + n - 1)
+         angle(:n) = batch%geometry%axis_angle(from:from + n - 1)
          call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b(:, 1:9), b(:, 10:18), &
             scalar)
          b(:n, 19:27) = b(:n, 1:9)
@@ -199,7 +201,7 @@ contains
          call add_lever(n, arm1, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 10:3*k + 12))
       end do
       ! axes that ride on neither end take no couple
-      share = merge(0.0_wp, 1.0_wp, batch%spring .and. (batch%frame == FRAME_FIXED))
+      share = merge(0.0_wp, 1.0_wp, is_spring(batch) .and. (batch%frame == FRAME_FIXED))
       do k = 1, 3
          !$omp simd
          do i = 1, n
@@ -210,7 +212,7 @@ contains
 
    !> Triads and arms carried by the two ends, their relative pose, and node 2 from node 1
    pure subroutine see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
       real(wp), dimension(BLOCK, 4), intent(out) :: t1, t2, p
@@ -233,19 +235,19 @@ contains
          end do
       end do
       do k = 1, 4
-         c1(:n, k) = batch%triad(from:from + n - 1, k)
-         c2(:n, k) = batch%triad(from:from + n - 1, k + 4)
+         c1(:n, k) = batch%geometry%triad(from:from + n - 1, k)
+         c2(:n, k) = batch%geometry%triad(from:from + n - 1, k + 4)
       end do
       do k = 1, 3
-         a1(:n, k) = batch%arm(from:from + n - 1, k)
-         a2(:n, k) = batch%arm(from:from + n - 1, k + 3)
+         a1(:n, k) = batch%geometry%arm(from:from + n - 1, k)
+         a2(:n, k) = batch%geometry%arm(from:from + n - 1, k + 3)
       end do
       call turn_arm(n, q1, a1, arm1)
       call turn_arm(n, q2, a2, arm2)
       do k = 1, 3
          !$omp simd
          do i = 1, n
-            r(i, k) = batch%apart(from + i - 1, k) + r(i, k) + (arm2(i, k) - arm1(i, k))
+            r(i, k) = batch%geometry%apart(from + i - 1, k) + r(i, k) + (arm2(i, k) - arm1(i, k))
          end do
       end do
       call relative_pose(n, q1, q2, c1, c2, t1, t2, p)
@@ -269,7 +271,7 @@ contains
 
    !> Elastic force of one dof
    pure subroutine spring(batch, curves, from, n, dof, q, f)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: from, n, dof
       real(wp), intent(in) :: q(BLOCK)

@@ -5,7 +5,8 @@ module kj_consistent_state
    use kj_team, only: team_t
    use kj_plan, only: plan_t
    use kj_model, only: model_t
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
+   use kj_joint_batch, only: joint_batch_t
+   use kj_consistent_batch, only: consistent_joint_t
    use kj_consistent_matrix, only: poses_t
    use kj_gravity, only: gravity_t
    implicit none
@@ -39,7 +40,7 @@ module kj_consistent_state
 
    !> The model with the constants of the consistent formulation
    type, extends(model_t) :: consistent_model_t
-      type(consistent_batch_t), allocatable :: geometry(:)   !! of each batch
+      type(joint_batch_t), allocatable :: geometry(:)   !! of each batch
       type(team_t) :: team                       !! pieces for the threads
       ! and their order: joints and leads once, twice (springs, dampers; where damped), leads alone
       type(plan_t) :: once, twice, alone

@@ -289,10 +289,10 @@ contains
       associate (b => piece(1), lo => piece(2), hi => piece(3))
          select case (what)
          case (SPRINGS)
-            call add_springs(model%geometry(b), model%curves, state%poses, lo, hi, state%joint(b), &
+            call add_springs(model%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &
                state%wrench)
          case (DAMPERS)
-            call add_dampers(model%geometry(b), model%curves, state%poses, step%h, lo, hi, &
+            call add_dampers(model%batch(b), model%curves, state%poses, step%h, lo, hi, &
                state%joint(b), state%wrench)
          end select
       end associate

@@ -14,9 +14,10 @@ module kj_consistent_stop
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: DOF_FREE, DOF_AT_STOP, DOF_LOCKED, DOF_BLOCKED, has_friction
+   use kj_joint_batch, only: DOF_FREE, DOF_AT_STOP, DOF_LOCKED, DOF_BLOCKED, has_friction, &
+      joint_batch_t
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
+   use kj_consistent_batch, only: consistent_joint_t
    use kj_consistent_friction, only: rub
    implicit none
    private
@@ -34,7 +35,7 @@ contains
    !> joint%grip, c_limit, c_round, to_round, stored and flag are set anew; friction, slip_energy,
    !> locked, q_lock advance.
    pure subroutine add_limits(batch, curves, time, h, from, n, before, q, slid, joint, f, lost)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time, h            !! now, and the step that led here (0: none)
       integer, intent(in) :: from, n
@@ -65,7 +66,7 @@ contains
 
    !> Stops of directions that are not combined
    pure subroutine stop_plain(batch, h, from, n, before, q, joint, f)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
@@ -98,19 +99,19 @@ contains
 
    !> Damping of a stop of stiffness k: as Cr has it, but no stronger than its force
    pure real(wp) function stop_damping(batch, h, j, dof, k, over, change) result(c)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h, k, over
       integer, intent(in) :: j, dof
       real(wp), intent(in) :: change             !! of the coordinate in the step
 
-      c = min(batch%limit%cr_stop(j)*sqrt(k*batch%inertia(j, dof)), &
+      c = min(batch%limit%cr_stop(j)*sqrt(k*batch%geometry%inertia(j, dof)), &
          k*over*h/max(abs(change), TINY_VALUE))
    end function stop_damping
 
    !> Combined stops of directions first..last: a potential of the distance from the centre alone,
    !> with the least radius and the largest stiffness of them
    pure subroutine stop_combined(batch, h, from, n, first, last, before, q, joint, f)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n, first, last
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
@@ -185,7 +186,7 @@ contains
    !> the force starts from zero; the damping comes in over the first period of the lock. When the
    !> sensor lets go, what the lock holds is lost.
    pure subroutine lock(batch, time, h, from, n, before, q, joint, f, lost)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time, h
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
@@ -210,7 +211,7 @@ contains
             do dof = 1, NDOF
                if (joint_types(batch%row)%free(dof) == 0) cycle
                k = l%k_block(j, merge(1, 2, dof <= 3))
-               m = batch%inertia(j, dof)
+               m = batch%geometry%inertia(j, dof)
                strain = q(i, dof) - joint%q_lock(j, dof)
                if (.not. holds) then
                   ! what is left of k strain^2/2 by the trapezoidal rule of the work
@@ -231,7 +232,7 @@ contains
 
    !> Stiffness of the stop of one direction: its own, else that of blocked directions
    pure real(wp) function stop_stiffness(batch, j, dof) result(k)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       integer, intent(in) :: j, dof
 
       k = batch%limit%k(j, dof)
@@ -240,7 +241,7 @@ contains
 
    !> Largest stiffness that the limits of joint j can add to each direction, for the time step
    pure function limit_stiffness(batch, curves, j) result(k)
-      type(consistent_batch_t), intent(in) :: batch
+      type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: j
       real(wp) :: k(NDOF)

@@ -49,7 +49,7 @@ contains
 
       may = model%n_joint + model%n_lead >= LARGE .and. size(model%placed) == 0 .and. &
          size(model%cload) == 0 .and. size(model%motion) == 0 .and. size(model%gravity) <= 1 .and. &
-         all(model%steady) .and. .not. any(model%geometry%limited)
+         all(model%steady) .and. .not. any(model%batch%limited)
    end function may_wave
 
    !> Forces on a hub at rest, which a wave has left out, and their impulses; the first half kick of

@@ -5,7 +5,7 @@ module kj_pages
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_size_t
    use kj_team, only: LARGE
    use kj_joint_batch, only: joint_batch_t, joint_state_t
-   use kj_consistent_batch, only: consistent_batch_t, consistent_joint_t
+   use kj_consistent_batch, only: consistent_joint_t
    use kj_legacy_state, only: legacy_state_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    implicit none
@@ -88,8 +88,8 @@ contains
       integer :: b
 
       if (model%n_joint + model%n_lead < LARGE) return
-      do b = 1, size(model%geometry)
-         call place_consistent_batch(model%geometry(b), s%joint(b))
+      do b = 1, size(model%batch)
+         call place_consistent_batch(model%batch(b), s%joint(b))
       end do
       associate (p => s%poses)
          call use_huge(p%x)
@@ -114,12 +114,12 @@ contains
    end subroutine place_consistent_state
 
    subroutine place_consistent_batch(b, s)
-      type(consistent_batch_t), intent(in) :: b
+      type(joint_batch_t), intent(in) :: b
       type(consistent_joint_t), intent(in) :: s
 
       call use_huge(b%lead)
-      call use_huge(b%arm)
-      call use_huge(b%triad)
+      call use_huge(b%geometry%arm)
+      call use_huge(b%geometry%triad)
       call use_huge(b%xl0)
       call use_huge(b%k)
       call use_huge(b%c)

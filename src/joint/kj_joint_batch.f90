@@ -6,8 +6,8 @@ module kj_joint_batch
    implicit none
    private
 
-   public :: joint_batch_t, joint_state_t, limits_t, new_batch, new_limits, new_joint_state, &
-      is_spring, has_friction, has_limits
+   public :: joint_batch_t, joint_state_t, limits_t, geometry_t, new_batch, new_limits, &
+      new_joint_state, is_spring, has_friction, has_limits
 
    !> Law signature of a dof, bits
    integer, parameter, public :: LAW_SPRING = 1        !! linear stiffness
@@ -42,6 +42,23 @@ module kj_joint_batch
       real(wp), allocatable :: t_lock(:), t_free(:)   !! (n) locked while t_lock < t <= t_free
    end type limits_t
 
+   !> What the consistent formulation adds to the constants of n joints
+   type :: geometry_t
+      integer :: chart = 0                       !! CHART_ constant
+      logical :: mean = .true.                   !! translations in the mean frame, else of body 1
+      logical :: damped = .false.                !! any dof has damping
+      logical :: shifted = .false.               !! some angle does not start at 0
+      !> (n) equal springs without a length: no frame needed
+      logical, allocatable :: plain(:)
+      !> (n, 6) node 1 and node 2 from their leads, body axes
+      real(wp), allocatable :: arm(:, :)
+      real(wp), allocatable :: triad(:, :)       !! (n, 8) quaternions of the triads in body axes
+      real(wp), allocatable :: apart(:, :)       !! (n, 3) lead 2 from lead 1 at the start, W
+      real(wp), allocatable :: axis_angle(:)     !! (n) angle(e2, e3) at the start, universal
+      !> (n, 6) effective mass or inertia of each dof, of limited batches
+      real(wp), allocatable :: inertia(:, :)
+   end type geometry_t
+
    !> Constants of n joints; all in work units
    type :: joint_batch_t
       integer :: n = 0
@@ -69,6 +86,7 @@ module kj_joint_batch
       real(wp), allocatable :: c_top(:, :)      !! (n, 2) largest linear user damping
       real(wp), allocatable :: angle0(:, :)     !! (n, 3) rotation at the start, J [rad]
       type(limits_t) :: limit
+      type(geometry_t) :: geometry
    end type joint_batch_t
 
    !> What changes
