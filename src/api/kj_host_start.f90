@@ -4,6 +4,7 @@ module kj_host_start
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_math3, only: cross
+   use kj_joint_batch, only: is_spring
    use kj_legacy_state, only: new_legacy_state
    use kj_consistent_body, only: columns
    use kj_consistent_auto_stiffness, only: start_scene

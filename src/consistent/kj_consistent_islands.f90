@@ -135,8 +135,8 @@ contains
       end subroutine add_skew
    end subroutine find_leads
 
-   !> Constants, first state and first limit of a part. Stiffness and damping of joints stay what the
-   !> whole scene gave: islands change the steps, not the scene.
+   !> Constants, first state and first limit of a part. Stiffness and damping of joints stay what
+   !> the whole scene gave: islands change the steps, not the scene.
    subroutine start_part(model, whole, part)
       type(consistent_model_t), intent(in) :: model
       type(march_t), intent(in) :: whole

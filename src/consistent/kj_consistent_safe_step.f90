@@ -67,7 +67,7 @@ contains
          bound%limit(model%n_element))
       allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), source=0.0_wp)
       if (explicit) allocate (bound%c(6, model%n_element))
-      if (any(model%batch%spring)) allocate (bound%rows(27, model%n_element), source=0.0_wp)
+      if (any(is_spring(model%batch))) allocate (bound%rows(27, model%n_element), source=0.0_wp)
       do b = 1, size(model%batch)
          do i = 1, model%batch(b)%n
             j = model%batch(b)%first + i

@@ -111,7 +111,7 @@ module kj_joint_batch
 contains
 
    !> A batch of springs, not of joints
-   pure logical function is_spring(batch)
+   pure elemental logical function is_spring(batch)
       type(joint_batch_t), intent(in) :: batch
 
       is_spring = batch%kind == SPRING4 .or. batch%kind == SPRING8
