@@ -63,21 +63,28 @@ def translate(path):
     return lines, tests
 
 
+def write(path, lines):
+    """Write a file that is not there or differs: what did not change is not compiled again."""
+    text = "\n".join(lines) + "\n"
+    if not path.is_file() or path.read_text() != text:
+        path.write_text(text)
+
+
 def main(out_dir, files):
     out = pathlib.Path(out_dir)
     uses, calls = [], []
     for name in files:
         path = pathlib.Path(name)
         lines, tests = translate(path)
-        (out / f"{path.stem}.f90").write_text("\n".join(lines) + "\n")
+        write(out / f"{path.stem}.f90", lines)
         for test in tests:
             alias = f"t{len(calls)}"
             uses.append(f"   use {path.stem}, only: {alias} => {test}")
             calls.append(f"   call funit_run('{path.stem}', '{test}', {alias})")
     program = ["program unit_tests", "   use funit, only: funit_run, funit_finish", *uses,
                "   implicit none", *calls, "   call funit_finish()",
-               "end program unit_tests", ""]
-    (out / "unit_tests.f90").write_text("\n".join(program))
+               "end program unit_tests"]
+    write(out / "unit_tests.f90", program)
 
 
 if __name__ == "__main__":

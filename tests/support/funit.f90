@@ -41,12 +41,13 @@ module funit
 
 contains
 
-   !> Run one test of a module unless the arguments name other modules; print its outcome
+   !> Run one test of a module unless the arguments name others, as MODULE or MODULE.TEST; print its
+   !> outcome
    subroutine funit_run(module, name, test)
       character(len=*), intent(in) :: module, name
       procedure(test_i) :: test
 
-      if (.not. wanted(module)) return
+      if (.not. wanted(module, name)) return
       failed = .false.
       call test()
       if (failed) then
@@ -59,8 +60,8 @@ contains
       flush (output_unit)
    end subroutine funit_run
 
-   logical function wanted(module)
-      character(len=*), intent(in) :: module
+   logical function wanted(module, name)
+      character(len=*), intent(in) :: module, name
 
       character(len=100) :: argument
       integer :: i
@@ -68,7 +69,7 @@ contains
       wanted = command_argument_count() == 0
       do i = 1, command_argument_count()
          call get_command_argument(i, argument)
-         wanted = wanted .or. argument == module
+         wanted = wanted .or. argument == module .or. argument == module//'.'//name
       end do
    end function wanted
 
