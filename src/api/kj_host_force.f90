@@ -10,6 +10,7 @@ module kj_host_force
    use kj_consistent_step, only: find_forces
    use kj_consistent_conditions, only: body_matrix
    use kj_consistent_safe_step, only: renew_bound, has_moved
+   use kj_block, only: block_of, lane_of
    use kj_consistent_batch, only: frame_of
    use kj_consistent_nodal_step, only: nodal_stiffness
    use kj_host, only: joint_set_t, joint_result_t, host_vector, shear_angle
@@ -259,13 +260,16 @@ contains
                result%energy = s%energy(i)
             end associate
          else
-            associate (s => set%cs%joint(ref%batch), i => ref%place)
-               result%force = s%fe(i, :) + s%fd(i, :)
-               if (allocated(s%friction)) result%force = result%force + s%friction(i, :)
-               result%displacement = s%q(i, :)
-               result%frame = reshape(frame_of(set%model%batch(ref%batch), s, i), [3, 3])
-               result%energy = s%elastic(i) + s%dissipated(i)
-               result%dissipated = s%dissipated(i)
+            associate (joint => set%cs%joint(ref%batch), at => block_of(ref%place), &
+               i => lane_of(ref%place))
+               result%force = joint%block(at)%fe(i, :) + joint%block(at)%fd(i, :)
+               if (allocated(joint%limit)) &
+                  result%force = result%force + joint%limit(at)%friction(i, :)
+               result%displacement = joint%block(at)%q(i, :)
+               result%frame = reshape(frame_of(set%model%batch(ref%batch), joint, ref%place), [3, &
+                  3])
+               result%dissipated = joint%block(at)%dissipated(i)
+               result%energy = joint%block(at)%elastic(i) + result%dissipated
             end associate
          end if
       end associate
@@ -278,7 +282,7 @@ contains
       type(joint_set_t), intent(in) :: set
       real(wp), intent(out) :: work, dissipated
 
-      integer :: b
+      integer :: b, i
 
       work = 0.0_wp
       dissipated = 0.0_wp
@@ -287,8 +291,10 @@ contains
          if (set%legacy) then
             work = work + sum(set%state%joint(b)%energy)
          else
-            dissipated = dissipated + sum(set%cs%joint(b)%dissipated)
-            work = work + sum(set%cs%joint(b)%elastic)
+            do i = 1, size(set%cs%joint(b)%block)
+               dissipated = dissipated + sum(set%cs%joint(b)%block(i)%dissipated)
+               work = work + sum(set%cs%joint(b)%block(i)%elastic)
+            end do
          end if
       end do
       work = work + dissipated

@@ -4,7 +4,8 @@ module kj_host_state
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_joint_batch, only: joint_state_t
-   use kj_consistent_batch, only: consistent_joint_t
+   use kj_block, only: block_of, lane_of
+   use kj_consistent_batch, only: consistent_joint_t, rows_of
    use kj_host, only: joint_set_t
    implicit none
    private
@@ -122,7 +123,7 @@ contains
       else
          consistent = set%cs%joint
          do b = 1, size(consistent)
-            call pass_consistent(consistent(b), tape)
+            call pass_consistent(set%model%batch(b)%n, consistent(b), tape)
          end do
       end if
    end subroutine read_state
@@ -136,7 +137,7 @@ contains
 
       do b = 1, size(set%model%batch)
          if (set%legacy) call pass_legacy(set%state%joint(b), tape)
-         if (.not. set%legacy) call pass_consistent(set%cs%joint(b), tape)
+         if (.not. set%legacy) call pass_consistent(set%model%batch(b)%n, set%cs%joint(b), tape)
       end do
    end subroutine pass_state
 
@@ -159,32 +160,21 @@ contains
       call pass_marks(joint%locked, joint%flag, tape)
    end subroutine pass_legacy
 
-   subroutine pass_consistent(joint, tape)
+   subroutine pass_consistent(n, joint, tape)
+      integer, intent(in) :: n                   !! joints
       type(consistent_joint_t), intent(inout) :: joint
       type(tape_t), intent(inout) :: tape
 
-      integer :: k, rows
+      real(wp), pointer :: row(:, :)
+      integer :: i
 
-      call pass2(joint%q, tape)
-      call pass2(joint%fe, tape)
-      call pass2(joint%fd, tape)
-      call pass1(joint%elastic, tape)
-      call pass1(joint%dissipated, tape)
-      do k = 1, size(joint%b, 3)
-         rows = min(size(joint%b, 1), size(joint%q, 1) - (k - 1)*size(joint%b, 1))
-         call pass2(joint%b(:rows, :, k), tape)
+      do i = 1, n
+         call rows_of(joint%block(block_of(i)), row)
+         call pass1(row(lane_of(i), :), tape)
+         if (.not. allocated(joint%limit)) cycle
+         call rows_of(joint%limit(block_of(i)), row)
+         call pass1(row(lane_of(i), :), tape)
       end do
-      call pass2(joint%qd, tape)
-      if (.not. allocated(joint%flag)) return
-      call pass2(joint%friction, tape)
-      call pass2(joint%grip, tape)
-      call pass2(joint%c_limit, tape)
-      call pass2(joint%c_round, tape)
-      call pass2(joint%to_round, tape)
-      call pass1(joint%slip_energy, tape)
-      call pass1(joint%stored, tape)
-      call pass2(joint%q_lock, tape)
-      call pass_marks(joint%locked, joint%flag, tape)
    end subroutine pass_consistent
 
    subroutine pass_marks(locked, flag, tape)

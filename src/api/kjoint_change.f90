@@ -131,7 +131,9 @@ contains
             limit%t_lock(ref%place) = t_lock
             limit%t_free(ref%place) = t_free
          end associate
-         sim%c_state%joint(ref%batch)%locked(ref%place) = .false.
+         associate (joint => sim%c_state%joint(ref%batch))
+            joint%limit(block_of(ref%place))%locked(lane_of(ref%place)) = 0.0_wp
+         end associate
       end associate
       call start_march(sim%model, sim%c_state, sim%march)
    end procedure lock_joint

@@ -1,6 +1,7 @@
 !> A scene that its host steps, samples and asks.
 submodule (kjoint:kjoint_run) kjoint_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kj_block, only: block_of, lane_of
    use kj_math3, only: to_quaternion
    use kj_joint_types, only: joint_types
    use kj_channels, only: channels, groups
@@ -231,7 +232,9 @@ contains
             result%energy = s%energy(i)
          end associate
          if (sim%legacy) return
-         result%dissipated = sim%c_state%joint(ref%batch)%dissipated(ref%place)
+         associate (joint => sim%c_state%joint(ref%batch))
+            result%dissipated = joint%block(block_of(ref%place))%dissipated(lane_of(ref%place))
+         end associate
          result%orthogonality = sim%state%ortho(sim%model%batch(ref%batch)%first + ref%place)
       end associate
    end procedure joint_state

@@ -1,45 +1,65 @@
 !> State of all joints of one batch under the consistent formulation.
 module kj_consistent_batch
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
-   use kj_joint_batch, only: joint_batch_t, limits_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, &
-      LAW_DAMPER, LAW_DAMPER_CURVE
-   use kj_block, only: BLOCK
+   use kj_joint_batch, only: joint_batch_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, LAW_DAMPER, &
+      LAW_DAMPER_CURVE
+   use kj_block, only: BLOCK, block_of, lane_of
    implicit none
    private
 
-   public :: consistent_joint_t, new_consistent_joint, new_consistent_limits, chart_of, matrix_of, &
-      frame_of, sprung_dofs, damped_dofs
+   public :: matrix_t, consistent_block_t, limit_block_t, consistent_joint_t, &
+      new_consistent_joint, rows_of, chart_of, frame_of, sprung_dofs, damped_dofs
 
-   integer, parameter, public :: N_B = 30             !! numbers of the matrix B of a joint
+   !> The matrix B of q' = B u of a block of joints, as what unit forces do (kj_consistent_chart); W
+   type :: matrix_t
+      sequence
+      real(wp) :: force(BLOCK, 9) = 0.0_wp       !! on node 1, of each translation
+      real(wp) :: couple(BLOCK, 9) = 0.0_wp      !! M1 on lead 1, of each translation
+      real(wp) :: turn(BLOCK, 9) = 0.0_wp        !! moment on body 1, of each damped rotation
+      real(wp) :: apart(BLOCK, 3) = 0.0_wp       !! d: d x force - M1 is the moment on lead 2
+   end type matrix_t
 
-   !> State
+   !> State of a block of joints. A field stands here and nowhere else: blocks are saved, restored
+   !> and gathered as a whole (rows_of)
+   type :: consistent_block_t
+      sequence
+      real(wp) :: q(BLOCK, 6) = 0.0_wp           !! coordinates
+      real(wp) :: qd(BLOCK, 6) = 0.0_wp          !! rates with the velocities of the half step
+      real(wp) :: fe(BLOCK, 6) = 0.0_wp          !! elastic force on node 1, without friction
+      real(wp) :: fd(BLOCK, 6) = 0.0_wp          !! damping force on node 1
+      real(wp) :: elastic(BLOCK) = 0.0_wp        !! work done on springs
+      real(wp) :: dissipated(BLOCK) = 0.0_wp     !! work done on dampers
+      type(matrix_t) :: b
+   end type consistent_block_t
+
+   !> State of the limits of a block, all at rest
+   type :: limit_block_t
+      sequence
+      real(wp) :: friction(BLOCK, 6) = 0.0_wp    !! on node 1, beside fe
+      real(wp) :: grip(BLOCK, 6) = 0.0_wp        !! limit of friction, now; 0 = none
+      real(wp) :: c_limit(BLOCK, 6) = 0.0_wp     !! damping of stops, stuck friction and lock, now
+      !> damping of combined stops, translations and rotations, and its directions
+      real(wp) :: c_round(BLOCK, 2) = 0.0_wp, to_round(BLOCK, 6) = 0.0_wp
+      real(wp) :: slip_energy(BLOCK) = 0.0_wp    !! that sliding took
+      real(wp) :: stored(BLOCK) = 0.0_wp         !! energy in stops, stuck friction and lock
+      real(wp) :: locked(BLOCK) = 0.0_wp         !! 1 where held by the lock
+      real(wp) :: q_lock(BLOCK, 6) = 0.0_wp      !! coordinates held by the lock
+      real(wp) :: flag(BLOCK, 6) = real(DOF_FREE, wp)   !! DOF_ constant
+   end type limit_block_t
+
+   !> State of the joints of a batch: the lanes of the last block beyond them are not used
    type :: consistent_joint_t
-      real(wp), allocatable :: q(:, :)           !! (n, 6) coordinates
-      real(wp), allocatable :: fe(:, :)          !! (n, 6) elastic force on node 1, without friction
-      real(wp), allocatable :: fd(:, :)          !! (n, 6) damping force on node 1
-      !> (n) work done on springs and on dampers
-      real(wp), allocatable :: elastic(:), dissipated(:)
-      !> (BLOCK, N_B, blocks) the matrix B block by block, see kj_consistent_chart: 1-9 force
-      !> of each unit translation, 10-18 moment M1 on lead 1 of each, 19-27 moment on body 1 of each
-      !> unit damping moment; 28-30 d, so that d x force - M1 is the moment on lead 2; W
-      real(wp), allocatable :: b(:, :, :)
-      !> (n, 6) rates with the velocities of the half step
-      real(wp), allocatable :: qd(:, :)
-      ! of limited batches only
-      real(wp), allocatable :: friction(:, :)    !! (n, 6) friction on node 1, beside fe
-      real(wp), allocatable :: grip(:, :)        !! (n, 6) limit of friction, now; 0 = none
-      !> (n, 6) damping of stops, stuck friction and lock, now
-      real(wp), allocatable :: c_limit(:, :)
-      !> (n, 2) damping of combined stops, translations and rotations, and (n, 6) its directions
-      real(wp), allocatable :: c_round(:, :), to_round(:, :)
-      real(wp), allocatable :: slip_energy(:)    !! (n) energy that sliding took
-      real(wp), allocatable :: stored(:)         !! (n) energy in stops, stuck friction and lock
-      logical, allocatable :: locked(:)          !! (n) is held by its lock
-      real(wp), allocatable :: q_lock(:, :)      !! (n, 6) coordinates held by the lock
-      integer, allocatable :: flag(:, :)         !! (n, 6) DOF_ constant
+      type(consistent_block_t), allocatable :: block(:)
+      type(limit_block_t), allocatable :: limit(:)   !! of limited batches only
    end type consistent_joint_t
+
+   !> A block as (BLOCK, fields)
+   interface rows_of
+      module procedure rows_of_block, rows_of_limits
+   end interface rows_of
 
 contains
 
@@ -67,24 +87,37 @@ contains
       on = batch%limited .or. iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0
    end function damped_dofs
 
-   !> State of n joints, all zero
-   pure subroutine new_consistent_joint(n, joint)
-      integer, intent(in) :: n
+   !> State of the joints of a batch, all zero
+   pure subroutine new_consistent_joint(batch, joint)
+      type(joint_batch_t), intent(in) :: batch
       type(consistent_joint_t), intent(out) :: joint
 
-      allocate (joint%q(n, 6), joint%fe(n, 6), joint%fd(n, 6), joint%elastic(n), &
-         joint%dissipated(n), joint%b(BLOCK, N_B, (n + BLOCK - 1)/BLOCK), joint%qd(n, 6), &
-         source=0.0_wp)
+      associate (blocks => (batch%n + BLOCK - 1)/BLOCK)
+         allocate (joint%block(blocks))
+         if (batch%limited) allocate (joint%limit(blocks))
+      end associate
    end subroutine new_consistent_joint
 
-   !> The matrix B of one joint
-   pure function matrix_of(joint, i) result(b)
-      type(consistent_joint_t), intent(in) :: joint
-      integer, intent(in) :: i
-      real(wp) :: b(N_B)
+   !> What goes with a joint from place to place is its row
+   subroutine rows_of_block(state, row)
+      type(consistent_block_t), target, intent(in) :: state
+      real(wp), pointer, intent(out) :: row(:, :)
 
-      b = joint%b(modulo(i - 1, BLOCK) + 1, :, (i - 1)/BLOCK + 1)
-   end function matrix_of
+      integer :: bits
+
+      bits = storage_size(state)
+      call c_f_pointer(c_loc(state), row, [BLOCK, bits/storage_size(1.0_wp)/BLOCK])
+   end subroutine rows_of_block
+
+   subroutine rows_of_limits(state, row)
+      type(limit_block_t), target, intent(in) :: state
+      real(wp), pointer, intent(out) :: row(:, :)
+
+      integer :: bits
+
+      bits = storage_size(state)
+      call c_f_pointer(c_loc(state), row, [BLOCK, bits/storage_size(1.0_wp)/BLOCK])
+   end subroutine rows_of_limits
 
    !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a
    !> universal joint the dual basis of its axes
@@ -94,25 +127,13 @@ contains
       integer, intent(in) :: j
       real(wp) :: e(9)
 
-      real(wp) :: b(N_B)
+      real(wp) :: f(9)
 
-      b = matrix_of(joint, j)
-      e = b(1:9)
+      f = joint%block(block_of(j))%b%force(lane_of(j), :)
+      e = f
       if (batch%geometry%chart /= CHART_UNIVERSAL) return
-      e(4:6) = unit(cross(b(7:9), b(1:3)))
-      e(7:9) = unit(cross(b(1:3), b(4:6)))
+      e(4:6) = unit(cross(f(7:9), f(1:3)))
+      e(7:9) = unit(cross(f(1:3), f(4:6)))
    end function frame_of
-
-   !> State of the limits of n joints, all at rest
-   pure subroutine new_consistent_limits(n, joint)
-      integer, intent(in) :: n
-      type(consistent_joint_t), intent(inout) :: joint
-
-      allocate (joint%friction(n, 6), joint%grip(n, 6), joint%c_limit(n, 6), joint%c_round(n, 2), &
-         joint%to_round(n, 6), &
-         joint%slip_energy(n), joint%stored(n), joint%q_lock(n, 6), source=0.0_wp)
-      allocate (joint%locked(n), source=.false.)
-      allocate (joint%flag(n, 6), source=DOF_FREE)
-   end subroutine new_consistent_limits
 
 end module kj_consistent_batch

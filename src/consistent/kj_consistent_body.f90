@@ -303,8 +303,8 @@ contains
             do i = 1, n
                j = from + i - 1
                ij(j, k) = real(model%n_end(j), wp)*(model%inverse_inertia(j, 1)*e(i, r)*e(i, m) + &
-                  model%inverse_inertia(j, 2)*e(i, r + 3)*e(i, m + 3) + model%inverse_inertia(j, &
-                  3)*e(i, r + 6)*e(i, m + 6))
+                  model%inverse_inertia(j, 2)*e(i, r + 3)*e(i, m + 3) + &
+                  model%inverse_inertia(j, 3)*e(i, r + 6)*e(i, m + 6))
             end do
          end do
       end do

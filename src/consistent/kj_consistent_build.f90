@@ -5,6 +5,7 @@ module kj_consistent_build
    use kj_team, only: new_team
    use kj_plan, only: new_plan, plan_of_leads
    use kj_wave, only: N_STEP
+   use kj_block, only: block_of, lane_of
    use kj_lead_map, only: SPAN, N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
@@ -12,7 +13,7 @@ module kj_consistent_build
       LAW_SPRING_CURVE, geometry_t
    use kj_model, only: load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
-   use kj_consistent_batch, only: chart_of, new_consistent_joint, new_consistent_limits
+   use kj_consistent_batch, only: chart_of, new_consistent_joint
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
    use kj_consistent_conditions, only: collect_holds, at_rest, all_blocked, motion_targets, &
@@ -207,8 +208,8 @@ contains
                g%arm(i, 3*s - 2:3*s) = model%arm(batch%node(i, s), :)
             end do
             if (batch%frame == FRAME_CROSS) then
-               g%axis_angle(i) = atan2(norm2(cross(e(:, 2), e(:, 3))), dot_product(e(:, 2), e(:, &
-                  3)))
+               g%axis_angle(i) = atan2(norm2(cross(e(:, 2), e(:, 3))), &
+                  dot_product(e(:, 2), e(:, 3)))
                r = model%x0(batch%node(i, 2), :) - model%x0(batch%node(i, 1), :)
                batch%xl0(i, :) = dual_components(e, r)
             end if
@@ -270,9 +271,7 @@ contains
       state%skew = model%skews%axes
       allocate (state%joint(size(model%batch)))
       do b = 1, size(model%batch)
-         call new_consistent_joint(model%batch(b)%n, state%joint(b))
-         if (model%batch(b)%limited) call new_consistent_limits(model%batch(b)%n, &
-            state%joint(b))
+         call new_consistent_joint(model%batch(b), state%joint(b))
       end do
       allocate (state%part(N_SUM, size(model%once%hub), 2, 0:N_STEP), source=0.0_wp)
       allocate (state%wrench(N_CONSISTENT_WRENCH, model%n_element), &
@@ -355,8 +354,8 @@ contains
 
       sum_inverse = 0.0_wp
       do s = 1, 2
-         sum_inverse = sum_inverse + sum(model%inverse_inertia(lead(s), :)*matmul(e, &
-            reshape(model%axes0(lead(s), :), [3, 3]))**2)
+         sum_inverse = sum_inverse + sum(model%inverse_inertia(lead(s), :)* &
+            matmul(e, reshape(model%axes0(lead(s), :), [3, 3]))**2)
       end do
       m = 0.0_wp
       if (sum_inverse > 0.0_wp) m = 1.0_wp/sum_inverse
@@ -372,10 +371,16 @@ contains
 
       do b = 1, size(model%batch)
          associate (batch => model%batch(b), joint => state%joint(b))
-            if (batch%limited) joint%elastic = joint%elastic + joint%stored
+            if (batch%limited) then
+               do i = 1, size(joint%block)
+                  joint%block(i)%elastic = joint%block(i)%elastic + joint%limit(i)%stored
+               end do
+            end if
             if (.not. batch%geometry%shifted) cycle
             do i = 1, batch%n
-               joint%elastic(i) = joint%elastic(i) + spring_energy(model, batch, i)
+               associate (elastic => joint%block(block_of(i))%elastic(lane_of(i)))
+                  elastic = elastic + spring_energy(model, batch, i)
+               end associate
             end do
          end associate
       end do

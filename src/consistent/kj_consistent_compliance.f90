@@ -5,7 +5,7 @@ module kj_consistent_compliance
    use kj_joint_types, only: NDOF
    use kj_block, only: BLOCK
    use kj_joint_batch, only: joint_batch_t
-   use kj_consistent_batch, only: N_B
+   use kj_consistent_batch, only: matrix_t
    use kj_consistent_matrix, only: poses_t
    implicit none
    private
@@ -39,7 +39,8 @@ contains
    pure subroutine compliance(n, on, b, im, ij1, ij2, s)
       integer, intent(in) :: n
       logical, intent(in) :: on(NDOF)            !! rows and columns that are wanted
-      real(wp), intent(in) :: b(BLOCK, N_B), im(BLOCK, 2)
+      type(matrix_t), intent(in) :: b
+      real(wp), intent(in) :: im(BLOCK, 2)
       real(wp), intent(in) :: ij1(BLOCK, 6), ij2(BLOCK, 6)   !! J^-1: xx yy zz xy xz yz
       real(wp), intent(out) :: s(BLOCK, 21)
 
@@ -52,12 +53,15 @@ contains
          if (.not. on((k + 2)/3)) cycle
          !$omp simd
          do i = 1, n
-            m2(i, k) = (b(i, 29)*b(i, k + 2) - b(i, 30)*b(i, k + 1)) - b(i, k + 9)
-            m2(i, k + 1) = (b(i, 30)*b(i, k) - b(i, 28)*b(i, k + 2)) - b(i, k + 10)
-            m2(i, k + 2) = (b(i, 28)*b(i, k + 1) - b(i, 29)*b(i, k)) - b(i, k + 11)
+            m2(i, k) = (b%apart(i, 2)*b%force(i, k + 2) - &
+               b%apart(i, 3)*b%force(i, k + 1)) - b%couple(i, k)
+            m2(i, k + 1) = (b%apart(i, 3)*b%force(i, k) - &
+               b%apart(i, 1)*b%force(i, k + 2)) - b%couple(i, k + 1)
+            m2(i, k + 2) = (b%apart(i, 1)*b%force(i, k + 1) - &
+               b%apart(i, 2)*b%force(i, k)) - b%couple(i, k + 2)
          end do
       end do
-      call weigh(n, on(1:3), ij1, b(:, 10:18), j1)
+      call weigh(n, on(1:3), ij1, b%couple, j1)
       call weigh(n, on(1:3), ij2, m2, j2)
       at = 0
       do k = 1, 7, 3
@@ -66,31 +70,33 @@ contains
             if (.not. (on((k + 2)/3) .and. on((l + 2)/3))) cycle
             !$omp simd
             do i = 1, n
-               s(i, at) = b(i, k + 9)*j1(i, l) + b(i, k + 10)*j1(i, l + 1) + &
-                  b(i, k + 11)*j1(i, l + 2) + m2(i, k)*j2(i, l) + &
+               s(i, at) = b%couple(i, k)*j1(i, l) + b%couple(i, k + 1)*j1(i, l + 1) + &
+                  b%couple(i, k + 2)*j1(i, l + 2) + m2(i, k)*j2(i, l) + &
                   m2(i, k + 1)*j2(i, l + 1) + m2(i, k + 2)*j2(i, l + 2) + &
-                  both(i)*(b(i, k)*b(i, l) + b(i, k + 1)*b(i, l + 1) + b(i, k + 2)*b(i, l + 2))
+                  both(i)*(b%force(i, k)*b%force(i, l) + b%force(i, k + 1)*b%force(i, l + 1) + &
+                  b%force(i, k + 2)*b%force(i, l + 2))
             end do
          end do
       end do
       ij(:n, :) = ij1(:n, :) + ij2(:n, :)
-      call weigh(n, on(4:6), ij, b(:, 19:27), jr)
-      do k = 19, 25, 3
+      call weigh(n, on(4:6), ij, b%turn, jr)
+      do k = 1, 7, 3
          do l = 1, 7, 3
             at = at + 1
-            if (.not. (on((k - 7)/3) .and. on((l + 2)/3))) cycle
+            if (.not. (on((k + 11)/3) .and. on((l + 2)/3))) cycle
             !$omp simd
             do i = 1, n
-               s(i, at) = b(i, k)*(j1(i, l) - j2(i, l)) + b(i, k + 1)*(j1(i, l + 1) - &
-                  j2(i, l + 1)) + b(i, k + 2)*(j1(i, l + 2) - j2(i, l + 2))
+               s(i, at) = b%turn(i, k)*(j1(i, l) - j2(i, l)) + b%turn(i, k + 1)*(j1(i, l + 1) - &
+                  j2(i, l + 1)) + b%turn(i, k + 2)*(j1(i, l + 2) - j2(i, l + 2))
             end do
          end do
-         do l = 1, k - 18, 3
+         do l = 1, k, 3
             at = at + 1
-            if (.not. (on((k - 7)/3) .and. on((l + 11)/3))) cycle
+            if (.not. (on((k + 11)/3) .and. on((l + 11)/3))) cycle
             !$omp simd
             do i = 1, n
-               s(i, at) = b(i, k)*jr(i, l) + b(i, k + 1)*jr(i, l + 1) + b(i, k + 2)*jr(i, l + 2)
+               s(i, at) = b%turn(i, k)*jr(i, l) + b%turn(i, k + 1)*jr(i, l + 1) + &
+                  b%turn(i, k + 2)*jr(i, l + 2)
             end do
          end do
       end do

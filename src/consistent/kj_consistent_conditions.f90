@@ -66,8 +66,8 @@ contains
 
       y = (b - a)*load_value(curves, m%curve, a)
       if (m%curve == 0) return
-      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = curve_integral(curves, &
-         m%curve, a, b)
+      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = &
+         curve_integral(curves, m%curve, a, b)
    end function integral
 
    !> Integral of (b - s) f(s) from a to b
@@ -78,8 +78,8 @@ contains
 
       y = 0.5_wp*(b - a)**2*load_value(curves, m%curve, a)
       if (m%curve == 0) return
-      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = curve_moment(curves, &
-         m%curve, a, b)
+      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = &
+         curve_moment(curves, m%curve, a, b)
    end function moment
 
    !> Rate of an imposed displacement at its abscissa

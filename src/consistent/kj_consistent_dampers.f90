@@ -7,7 +7,7 @@ module kj_consistent_dampers
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, joint_batch_t
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_joint_t, N_B, damped_dofs
+   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, damped_dofs
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_compliance, only: end_inertias, compliance
    use kj_consistent_stop, only: damp_round_stops
@@ -36,68 +36,66 @@ contains
       real(wp), dimension(BLOCK, 6) :: rate, f, c
       real(wp) :: s(BLOCK, 21), moment(BLOCK, 3), im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)
       logical :: on(NDOF)
-      integer :: from, to, n, at, i, j, k
+      integer :: from, n, at, i, k
 
       on = damped_dofs(batch)
       do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         n = to - from + 1
+         n = min(BLOCK, hi - from + 1)
          at = (from - 1)/BLOCK + 1
-         call rates(batch, on, poses%v, poses%w, from, n, joint%b(:, :, at), rate)
-         do k = 1, NDOF
-            if (.not. on(k)) then
-               f(:n, k) = 0.0_wp
-               cycle
-            end if
-            call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
-            if (batch%limited) then
-               c(:n, k) = c(:n, k) + joint%c_limit(from:to, k)
-               f(:n, k) = f(:n, k) + joint%c_limit(from:to, k)*rate(:n, k)
-            end if
-            f(:n, k) = f(:n, k) - joint%fd(from:to, k)
-         end do
-         if (h > 0.0_wp) then
-            call end_inertias(batch, poses, from, n, im, ij1, ij2)
-            call compliance(n, on, joint%b(:, :, at), im, ij1, ij2, s)
-            call solve(n, on, 0.5_wp*h, c, s, f)
-            if (batch%limited) call damp_round_stops(joint, h, from, n, rate, s, f)
-         end if
-         moment(:n, :) = 0.0_wp
-         if (any(on(4:6))) call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
-         call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
-         do k = 1, NDOF
-            if (.not. on(k)) cycle
-            !$omp simd private(j)
-            do i = 1, n
-               j = from + i - 1
-               joint%fd(j, k) = joint%fd(j, k) + f(i, k)
-               joint%dissipated(j) = joint%dissipated(j) + 0.5_wp*h*joint%fd(j, k)*joint%qd(j, k)
+         associate (state => joint%block(at))
+            call rates(batch, on, poses%v, poses%w, from, n, state%b, rate)
+            do k = 1, NDOF
+               if (.not. on(k)) then
+                  f(:n, k) = 0.0_wp
+                  cycle
+               end if
+               call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
+               if (batch%limited) then
+                  c(:n, k) = c(:n, k) + joint%limit(at)%c_limit(:n, k)
+                  f(:n, k) = f(:n, k) + joint%limit(at)%c_limit(:n, k)*rate(:n, k)
+               end if
+               f(:n, k) = f(:n, k) - state%fd(:n, k)
             end do
-         end do
+            if (h > 0.0_wp) then
+               call end_inertias(batch, poses, from, n, im, ij1, ij2)
+               call compliance(n, on, state%b, im, ij1, ij2, s)
+               call solve(n, on, 0.5_wp*h, c, s, f)
+               if (batch%limited) call damp_round_stops(joint%limit(at), h, n, rate, s, f)
+            end if
+            moment(:n, :) = 0.0_wp
+            if (any(on(4:6))) call add_moment(n, f(:, 4:6), state%b%turn, moment)
+            call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
+            do k = 1, NDOF
+               if (.not. on(k)) cycle
+               !$omp simd
+               do i = 1, n
+                  state%fd(i, k) = state%fd(i, k) + f(i, k)
+                  state%dissipated(i) = state%dissipated(i) + 0.5_wp*h*state%fd(i, k)*state%qd(i, k)
+               end do
+            end do
+         end associate
       end do
    end subroutine add_dampers
 
    !> Energy that the dampers of n joints from `from` take in half a step h: h/2 f.B v
-   pure subroutine count_damping(batch, v, w, h, from, n, b, joint)
+   pure subroutine count_damping(batch, v, w, h, from, n, state)
       type(joint_batch_t), intent(in) :: batch
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3) when B was found
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n             !! n <= BLOCK
-      real(wp), intent(in) :: b(BLOCK, N_B)
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_block_t), intent(inout) :: state
 
       real(wp) :: rate(BLOCK, 6)
       logical :: on(NDOF)
-      integer :: i, j, k
+      integer :: i, k
 
       on = damped_dofs(batch)
-      call rates(batch, on, v, w, from, n, b, rate)
+      call rates(batch, on, v, w, from, n, state%b, rate)
       do k = 1, NDOF
          if (.not. on(k)) cycle
-         !$omp simd private(j)
+         !$omp simd
          do i = 1, n
-            j = from + i - 1
-            joint%dissipated(j) = joint%dissipated(j) + 0.5_wp*h*joint%fd(j, k)*rate(i, k)
+            state%dissipated(i) = state%dissipated(i) + 0.5_wp*h*state%fd(i, k)*rate(i, k)
          end do
       end do
    end subroutine count_damping

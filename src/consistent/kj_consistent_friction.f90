@@ -12,7 +12,7 @@ module kj_consistent_friction
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: DOF_SLIDING, DOF_STICKING, has_friction, joint_batch_t
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_joint_t
+   use kj_consistent_batch, only: limit_block_t
    implicit none
    private
 
@@ -25,15 +25,15 @@ module kj_consistent_friction
 
 contains
 
-   !> Friction of all directions of joints from..from + n - 1: joint%friction
-   pure subroutine rub(batch, curves, h, from, n, q, slid, joint, lost)
+   !> Friction of all directions of joints from..from + n - 1: state%friction
+   pure subroutine rub(batch, curves, h, from, n, q, slid, state, lost)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: h                  !! step, 0: none
       integer, intent(in) :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF)     !! coordinates now, for functions
       real(wp), intent(in) :: slid(BLOCK, NDOF)  !! dq
-      type(consistent_joint_t), intent(inout) :: joint
+      type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: lost(BLOCK)     !! energy
 
       logical :: has(NDOF), together(NDOF)
@@ -45,16 +45,16 @@ contains
             batch%limit%slip_curve(j, :))
          if (.not. any(has)) cycle
          do dof = 1, NDOF
-            if (has(dof)) joint%grip(j, dof) = friction_limit(batch, curves, j, dof, q(i, dof))
+            if (has(dof)) state%grip(i, dof) = friction_limit(batch, curves, j, dof, q(i, dof))
          end do
          together = has .and. batch%limit%combined(j, :) > 0.0_wp
          do s = 1, 4, 3
-            if (any(together(s:s + 2))) call rub_together(batch, h, j, &
-               together .and. spread(s, 1, NDOF) == FIRST, slid(i, :), joint, lost(i))
+            if (any(together(s:s + 2))) call rub_together(batch, h, j, i, &
+               together .and. spread(s, 1, NDOF) == FIRST, slid(i, :), state, lost(i))
          end do
          do dof = 1, NDOF
-            if (has(dof) .and. .not. together(dof)) call rub_together(batch, h, j, &
-               ALL_DOFS == dof, slid(i, :), joint, lost(i))
+            if (has(dof) .and. .not. together(dof)) call rub_together(batch, h, j, i, &
+               ALL_DOFS == dof, slid(i, :), state, lost(i))
          end do
       end do
    end subroutine rub
@@ -81,13 +81,13 @@ contains
    !> what its spring takes: 1/2 (r_old + r).p, p the way that slides. As p is along the normal of
    !> the limit in r, and r_old is inside, that is never negative while the limit stays; where it
    !> shrinks as the motion turns round, nothing is counted.
-   pure subroutine rub_together(batch, h, j, in, slid, joint, lost)
+   pure subroutine rub_together(batch, h, j, i, in, slid, state, lost)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h
-      integer, intent(in) :: j
+      integer, intent(in) :: j, i                !! in the batch, in the block
       logical, intent(in) :: in(NDOF)
       real(wp), intent(in) :: slid(NDOF)
-      type(consistent_joint_t), intent(inout) :: joint
+      type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: lost
 
       real(wp) :: k(NDOF), most(NDOF), trial(NDOF), r(NDOF), load, room, work
@@ -95,23 +95,23 @@ contains
       integer :: dof
 
       k = batch%limit%k(j, :)
-      most = joint%grip(j, :)
-      trial = joint%friction(j, :) + k*slid
+      most = state%grip(i, :)
+      trial = state%friction(i, :) + k*slid
       r = merge(trial, 0.0_wp, in .and. most > TINY_VALUE)
       call bring_back(k, most, r, load)
       slides = load > 1.0_wp .or. any(in .and. .not. most > TINY_VALUE)
       work = 0.0_wp
       do dof = 1, NDOF
          if (.not. in(dof)) cycle
-         work = work + 0.5_wp*(joint%friction(j, dof) + r(dof))*(trial(dof) - r(dof))/k(dof)
-         joint%friction(j, dof) = r(dof)
-         joint%stored(j) = joint%stored(j) + 0.5_wp*r(dof)**2/k(dof)
-         joint%flag(j, dof) = merge(DOF_SLIDING, DOF_STICKING, slides)
+         work = work + 0.5_wp*(state%friction(i, dof) + r(dof))*(trial(dof) - r(dof))/k(dof)
+         state%friction(i, dof) = r(dof)
+         state%stored(i) = state%stored(i) + 0.5_wp*r(dof)**2/k(dof)
+         state%flag(i, dof) = merge(DOF_SLIDING, DOF_STICKING, slides)
          if (slides .or. .not. h > 0.0_wp) cycle
          room = most(dof)
          if (r(dof)*slid(dof) > 0.0_wp) room = (1.0_wp - load)*most(dof)
-         joint%c_limit(j, dof) = min(batch%limit%cr(j)*sqrt(k(dof)*batch%geometry%inertia(j, &
-            dof)), &
+         state%c_limit(i, dof) = min(batch%limit%cr(j)* &
+            sqrt(k(dof)*batch%geometry%inertia(j, dof)), &
             room*h/max(abs(slid(dof)), TINY_VALUE))
       end do
       if (slides) lost = lost + max(0.0_wp, work)

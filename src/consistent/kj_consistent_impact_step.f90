@@ -17,6 +17,7 @@
 !> Source: docs/theory/time_step.md 8.
 module kj_consistent_impact_step
    use kj_kinds, only: wp
+   use kj_block, only: block_of, lane_of
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: DOF_STICKING, joint_batch_t
    use kj_consistent_batch, only: consistent_joint_t
@@ -128,12 +129,15 @@ contains
       integer :: dof
 
       step = huge(1.0_wp)
-      do dof = 1, NDOF
-         if (joint%flag(i, dof) /= DOF_STICKING) cycle
-         rise = batch%limit%k(i, dof)*abs(joint%qd(i, dof))
-         if (rise*h > 0.5_wp*joint%grip(i, dof) .and. joint%grip(i, dof) > 0.0_wp) &
-            step = min(step, joint%grip(i, dof)/(WINDUP*rise))
-      end do
+      associate (limit => joint%limit(block_of(i)), lanes => joint%block(block_of(i)), &
+         lane => lane_of(i))
+         do dof = 1, NDOF
+            if (nint(limit%flag(lane, dof)) /= DOF_STICKING) cycle
+            rise = batch%limit%k(i, dof)*abs(lanes%qd(lane, dof))
+            if (rise*h > 0.5_wp*limit%grip(lane, dof) .and. limit%grip(lane, dof) > 0.0_wp) &
+               step = min(step, limit%grip(lane, dof)/(WINDUP*rise))
+         end do
+      end associate
    end function windup_step
 
    !> Joint i is inside its stops and comes to one within the time ahead
@@ -146,11 +150,12 @@ contains
       real(wp) :: q(NDOF)
       integer :: dof, s
 
-      q = joint%q(i, :)
+      q = joint%block(block_of(i))%q(lane_of(i), :)
       if (batch%geometry%shifted) q(4:6) = q(4:6) + batch%angle0(i, :)
       meets = .true.
       associate (lo => batch%limit%lo(i, :), hi => batch%limit%hi(i, :), &
-         in => batch%limit%combined(i, :), rate => joint%qd(i, :))
+         in => batch%limit%combined(i, :), &
+         rate => joint%block(block_of(i))%qd(lane_of(i), :))
          do dof = 1, NDOF
             if (in(dof) > 0.0_wp) cycle
             if (hi(dof) > 0.0_wp .and. q(dof) <= hi(dof) .and. q(dof) + ahead*rate(dof) > hi(dof)) &

@@ -17,8 +17,8 @@ module kj_consistent_islands
    use kj_pages, only: place_consistent_state
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_march, only: march_t, start_march, march, balance_ledger, close_ledger
-   use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_joint_t, matrix_of
+   use kj_block, only: block_of, lane_of
+   use kj_consistent_batch, only: consistent_joint_t, rows_of
    implicit none
    private
 
@@ -297,39 +297,30 @@ contains
          there = cut%batch(b)
          associate (n => section%batch(b)%n)
             call gather_batch(from%joint(b), cut%element(last + 1:last + n) - &
-               model%batch(there)%first, model%batch(there)%limited, state%joint(there))
+               model%batch(there)%first, state%joint(there))
             last = last + n
          end associate
       end do
    end subroutine gather_joints
 
    !> Joints of one batch to their places in that of the scene
-   pure subroutine gather_batch(from, place, limited, to)
+   subroutine gather_batch(from, place, to)
       type(consistent_joint_t), intent(in) :: from
       integer, intent(in) :: place(:)
-      logical, intent(in) :: limited
       type(consistent_joint_t), intent(inout) :: to
 
-      integer :: i, k
+      real(wp), pointer :: a(:, :), b(:, :)
+      integer :: i
 
-      to%q(place, :) = from%q
-      to%qd(place, :) = from%qd
-      to%fe(place, :) = from%fe
-      to%fd(place, :) = from%fd
-      to%elastic(place) = from%elastic
-      to%dissipated(place) = from%dissipated
       do i = 1, size(place)
-         k = place(i) - 1
-         to%b(modulo(k, BLOCK) + 1, :, k/BLOCK + 1) = matrix_of(from, i)
+         call rows_of(from%block(block_of(i)), a)
+         call rows_of(to%block(block_of(place(i))), b)
+         b(lane_of(place(i)), :) = a(lane_of(i), :)
+         if (.not. allocated(from%limit)) cycle
+         call rows_of(from%limit(block_of(i)), a)
+         call rows_of(to%limit(block_of(place(i))), b)
+         b(lane_of(place(i)), :) = a(lane_of(i), :)
       end do
-      if (.not. limited) return
-      to%friction(place, :) = from%friction
-      to%grip(place, :) = from%grip
-      to%slip_energy(place) = from%slip_energy
-      to%stored(place) = from%stored
-      to%locked(place) = from%locked
-      to%q_lock(place, :) = from%q_lock
-      to%flag(place, :) = from%flag
    end subroutine gather_batch
 
    !> Steps of all joints so far

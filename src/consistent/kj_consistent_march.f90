@@ -7,7 +7,7 @@ module kj_consistent_march
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE, joint_batch_t
    use kj_joint_types, only: CHART_VECTOR
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_block, only: BLOCK
+   use kj_block, only: BLOCK, block_of, lane_of
    use kj_consistent_chart, only: quaternion_frame
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_conditions, only: held_force
@@ -188,13 +188,13 @@ contains
 
       do b = 1, size(model%batch)
          if (model%batch(b)%geometry%chart /= CHART_VECTOR) cycle
-         associate (q => state%joint(b)%q)
-            do i = 1, model%batch(b)%n
-               if (.not. q(i, 4)**2 + q(i, 5)**2 + q(i, 6)**2 > NEAR**2) cycle
-               joint = model%batch(b)%first + i
-               if (needs_angles(model%batch(b), i)) return
-            end do
-         end associate
+         do i = 1, model%batch(b)%n
+            associate (q => state%joint(b)%block(block_of(i))%q, lane => lane_of(i))
+               if (.not. q(lane, 4)**2 + q(lane, 5)**2 + q(lane, 6)**2 > NEAR**2) cycle
+            end associate
+            joint = model%batch(b)%first + i
+            if (needs_angles(model%batch(b), i)) return
+         end do
       end do
       joint = 0
    end function full_turn
@@ -262,8 +262,8 @@ contains
       do i = 1, n
          f = state%f(lo + i - 1, :)
          t = state%t(lo + i - 1, :)
-         if (model%hold_of(lo + i - 1) > 0) call held_force(model, state, model%hold_of(lo + &
-            i - 1), f, t)
+         if (model%hold_of(lo + i - 1) > 0) call held_force(model, state, &
+            model%hold_of(lo + i - 1), f, t)
          q = q + model%inverse_mass(lo + i - 1)*dot_product(f, f)
          do k = 1, 3
             q = q + model%inverse_inertia(lo + i - 1, k)*dot_product(e(i, 3*k - 2:3*k), t)**2
@@ -278,15 +278,19 @@ contains
       type(consistent_state_t), intent(inout) :: state
 
       real(wp) :: kinetic, joints, s
-      integer :: b
+      integer :: b, i
 
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       kinetic = 0.5_wp*(sum(model%mass*sum(state%v**2, dim=2)) + sum(state%l*state%poses%w))
       joints = 0.0_wp
       state%energy = 0.0_wp
       do b = 1, size(state%joint)
-         state%energy = state%energy + sum(state%joint(b)%elastic)
-         joints = joints + sum(state%joint(b)%elastic) + sum(state%joint(b)%dissipated)
+         do i = 1, size(state%joint(b)%block)
+            associate (lanes => state%joint(b)%block(i))
+               state%energy = state%energy + sum(lanes%elastic)
+               joints = joints + sum(lanes%elastic) + sum(lanes%dissipated)
+            end associate
+         end do
       end do
       state%energy = kinetic + state%energy
       s = kinetic + joints + potential(model, state) - state%work

@@ -1,12 +1,12 @@
 !> The matrix B of blocks of joints at work: rates q' = B u from the velocities of the leads, and
-!> wrenches -B^T F on them. What its columns are stands in kj_consistent_chart.
+!> wrenches -B^T F on them. What its parts are stands in kj_consistent_chart.
 !> Source: docs/theory/joints.md 2.
 module kj_consistent_matrix
    use kj_kinds, only: wp
    use kj_joint_types, only: NDOF
    use kj_block, only: BLOCK
    use kj_joint_batch, only: joint_batch_t
-   use kj_consistent_batch, only: consistent_joint_t, N_B
+   use kj_consistent_batch, only: consistent_joint_t, matrix_t
    implicit none
    private
 
@@ -59,7 +59,7 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: f(BLOCK, 3)         !! forces of the translations
       real(wp), intent(in) :: moment(BLOCK, 3)    !! of the rotations, on body 1, W
-      real(wp), intent(in) :: b(BLOCK, N_B)
+      type(matrix_t), intent(in) :: b
       real(wp), intent(inout) :: wrench(:, :)     !! (N_CONSISTENT_WRENCH, n and more)
 
       real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
@@ -68,16 +68,17 @@ contains
       do k = 1, 3
          !$omp simd
          do i = 1, n
-            w(i, k) = f(i, 1)*b(i, k) + f(i, 2)*b(i, k + 3) + f(i, 3)*b(i, k + 6)
-            w(i, k + 3) = f(i, 1)*b(i, k + 9) + f(i, 2)*b(i, k + 12) + f(i, 3)*b(i, k + 15) + &
+            w(i, k) = f(i, 1)*b%force(i, k) + f(i, 2)*b%force(i, k + 3) + f(i, 3)*b%force(i, k + 6)
+            w(i, k + 3) = f(i, 1)*b%couple(i, k) + f(i, 2)*b%couple(i, k + 3) + &
+               f(i, 3)*b%couple(i, k + 6) + &
                moment(i, k)
          end do
       end do
       !$omp simd
       do i = 1, n
-         w(i, 7) = (b(i, 29)*w(i, 3) - b(i, 30)*w(i, 2)) - w(i, 4)
-         w(i, 8) = (b(i, 30)*w(i, 1) - b(i, 28)*w(i, 3)) - w(i, 5)
-         w(i, 9) = (b(i, 28)*w(i, 2) - b(i, 29)*w(i, 1)) - w(i, 6)
+         w(i, 7) = (b%apart(i, 2)*w(i, 3) - b%apart(i, 3)*w(i, 2)) - w(i, 4)
+         w(i, 8) = (b%apart(i, 3)*w(i, 1) - b%apart(i, 1)*w(i, 3)) - w(i, 5)
+         w(i, 9) = (b%apart(i, 1)*w(i, 2) - b%apart(i, 2)*w(i, 1)) - w(i, 6)
       end do
       do i = 1, n
          do k = 1, N_CONSISTENT_WRENCH
@@ -99,7 +100,7 @@ contains
       do from = 1, batch%n, BLOCK
          n = min(BLOCK, batch%n - from + 1)
          call rates(batch, ALL_DOFS, poses%v, poses%w, from, n, &
-            joint%b(:, :, (from - 1)/BLOCK + 1), part)
+            joint%block((from - 1)/BLOCK + 1)%b, part)
          rate(from:from + n - 1, :) = part(:n, :)
       end do
    end subroutine joint_rates
@@ -110,7 +111,7 @@ contains
       logical, intent(in) :: on(NDOF)            !! rates that are wanted
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3)
       integer, intent(in) :: from, n
-      real(wp), intent(in) :: b(BLOCK, N_B)
+      type(matrix_t), intent(in) :: b
       real(wp), intent(out) :: rate(BLOCK, 6)
 
       real(wp), dimension(BLOCK, 3) :: dv, w2, dw
@@ -127,24 +128,25 @@ contains
       end do
       !$omp simd
       do i = 1, n
-         dv(i, 1) = dv(i, 1) - (w2(i, 2)*b(i, 30) - w2(i, 3)*b(i, 29))
-         dv(i, 2) = dv(i, 2) - (w2(i, 3)*b(i, 28) - w2(i, 1)*b(i, 30))
-         dv(i, 3) = dv(i, 3) - (w2(i, 1)*b(i, 29) - w2(i, 2)*b(i, 28))
+         dv(i, 1) = dv(i, 1) - (w2(i, 2)*b%apart(i, 3) - w2(i, 3)*b%apart(i, 2))
+         dv(i, 2) = dv(i, 2) - (w2(i, 3)*b%apart(i, 1) - w2(i, 1)*b%apart(i, 3))
+         dv(i, 3) = dv(i, 3) - (w2(i, 1)*b%apart(i, 2) - w2(i, 2)*b%apart(i, 1))
       end do
       do k = 0, 2
          if (on(1 + k)) then
             !$omp simd
             do i = 1, n
-               rate(i, 1 + k) = b(i, 3*k + 1)*dv(i, 1) + b(i, 3*k + 2)*dv(i, 2) + &
-                  b(i, 3*k + 3)*dv(i, 3) + &
-                  (b(i, 3*k + 10)*dw(i, 1) + b(i, 3*k + 11)*dw(i, 2) + b(i, 3*k + 12)*dw(i, 3))
+               rate(i, 1 + k) = b%force(i, 3*k + 1)*dv(i, 1) + b%force(i, 3*k + 2)*dv(i, 2) + &
+                  b%force(i, 3*k + 3)*dv(i, 3) + &
+                  (b%couple(i, 3*k + 1)*dw(i, 1) + b%couple(i, 3*k + 2)*dw(i, 2) + &
+                  b%couple(i, 3*k + 3)*dw(i, 3))
             end do
          end if
          if (.not. on(4 + k)) cycle
          !$omp simd
          do i = 1, n
-            rate(i, 4 + k) = b(i, 3*k + 19)*dw(i, 1) + b(i, 3*k + 20)*dw(i, 2) + &
-               b(i, 3*k + 21)*dw(i, 3)
+            rate(i, 4 + k) = b%turn(i, 3*k + 1)*dw(i, 1) + b%turn(i, 3*k + 2)*dw(i, 2) + &
+               b%turn(i, 3*k + 3)*dw(i, 3)
          end do
       end do
    end subroutine rates

@@ -3,6 +3,7 @@
 module kj_consistent_nodal_step
    use kj_kinds, only: wp
    use kj_lapack, only: largest_eigenvalue
+   use kj_block, only: block_of, lane_of
    use kj_joint_batch, only: is_spring, joint_state_t, LAW_SPRING_CURVE
    use kj_nodal_stiffness, only: start_stiffness, step_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -41,13 +42,13 @@ contains
                   model%batch(b)%reduced(i, :), legacy%stiff(i, :))
             end if
             st = legacy%stiff(i, 1)
-            sr = legacy%stiff(i, 2) + st*sum((model%batch(b)%xl0(i, :) + state%joint(b)%q(i, &
-               1:3))**2)
+            sr = legacy%stiff(i, 2) + st*sum((model%batch(b)%xl0(i, :) + &
+               state%joint(b)%block(block_of(i))%q(lane_of(i), 1:3))**2)
             do e = 1, 2
                lead = model%batch(b)%lead(i, e)
                kn(lead) = kn(lead) + times*st
-               kr(lead) = kr(lead) + sr + times*st*sum(model%batch(b)%geometry%arm(i, &
-                  3*e - 2:3*e)**2)
+               kr(lead) = kr(lead) + sr + times*st* &
+                  sum(model%batch(b)%geometry%arm(i, 3*e - 2:3*e)**2)
             end do
          end do
       end do
@@ -65,10 +66,10 @@ contains
       call nodal_stiffness(model, state, kn, kr)
       h = huge(1.0_wp)
       do i = 1, model%n_lead
-         if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = min(h, &
-            sqrt(2.0_wp*model%mass(i)/kn(i)))
-         if (model%inertia(i) > 0.0_wp .and. kr(i) > 0.0_wp) h = min(h, &
-            sqrt(2.0_wp*model%inertia(i)/kr(i)))
+         if (model%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) h = &
+            min(h, sqrt(2.0_wp*model%mass(i)/kn(i)))
+         if (model%inertia(i) > 0.0_wp .and. kr(i) > 0.0_wp) h = &
+            min(h, sqrt(2.0_wp*model%inertia(i)/kr(i)))
       end do
    end subroutine nodal_bound
 

@@ -160,8 +160,7 @@ contains
          if (.not. model%batch(b)%geometry%damped) cycle
          do i = 1, model%batch(b)%n, BLOCK
             call count_damping(model%batch(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
-               min(BLOCK, model%batch(b)%n - i + 1), state%joint(b)%b(:, :, (i - 1)/BLOCK + 1), &
-               state%joint(b))
+               min(BLOCK, model%batch(b)%n - i + 1), state%joint(b)%block((i - 1)/BLOCK + 1))
          end do
       end do
       work = work + share*load_power(model, state)

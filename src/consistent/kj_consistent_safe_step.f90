@@ -11,9 +11,8 @@ module kj_consistent_safe_step
    use kj_kinds, only: wp
    use kj_math3, only: cross
    use kj_joint_batch, only: is_spring, LAW_DAMPER_CURVE, LAW_SPRING_CURVE, joint_batch_t
-   use kj_block, only: BLOCK
+   use kj_block, only: BLOCK, block_of, lane_of
    use kj_joint_types, only: CHART_VECTOR, CHART_LINE
-   use kj_consistent_batch, only: matrix_of, N_B
    use kj_consistent_compliance, only: end_inertias, compliance, eigenvalues_from_above
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias
@@ -161,12 +160,13 @@ contains
                ij1(i, :) = ij1(i, :)*w1
                ij2(i, :) = ij2(i, :)*w2
                g = 1.0_wp
-               if (batch%geometry%chart == CHART_VECTOR) g = spin_up(joint%q(from + i - 1, 4:6))
+               if (batch%geometry%chart == CHART_VECTOR) g = &
+                  spin_up(joint%block(block_of(from))%q(i, 4:6))
                k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
                if (.not. allocated(bound%c)) cycle
                c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
             end do
-            call compliance(n, ALL_DOFS, joint%b(:, :, (from - 1)/BLOCK + 1), im, ij1, ij2, s)
+            call compliance(n, ALL_DOFS, joint%block(block_of(from))%b, im, ij1, ij2, s)
             call eigenvalues_from_above(n, s, k, part)
             if (allocated(bound%c)) then
                call eigenvalues_from_above(n, s, c_part, root)
@@ -196,9 +196,11 @@ contains
 
       real(wp) :: length
 
-      length = state%joint(b)%q(i, 1) + batch%xl0(i, 1)
-      stiffness = k
-      if (length > 0.0_wp) stiffness = max(0.0_wp, state%joint(b)%fe(i, 1)/length)
+      associate (lanes => state%joint(b)%block(block_of(i)))
+         length = lanes%q(lane_of(i), 1) + batch%xl0(i, 1)
+         stiffness = k
+         if (length > 0.0_wp) stiffness = max(0.0_wp, lanes%fe(lane_of(i), 1)/length)
+      end associate
    end function tension
 
    !> Some joint has turned or slid so far since the last evaluation that the bound may be wrong
@@ -213,7 +215,8 @@ contains
       do b = 1, size(model%batch)
          do from = 1, model%batch(b)%n, BLOCK
             to = min(from + BLOCK - 1, model%batch(b)%n)
-            if (block_moved(from, to, model%batch(b)%first, state%joint(b)%q, bound)) return
+            if (block_moved(from, to, model%batch(b)%first, &
+               state%joint(b)%block(block_of(from))%q, bound)) return
             if (.not. is_spring(model%batch(b))) cycle
             if (axes_moved(model%batch(b), state, b, from, to, bound)) return
          end do
@@ -224,7 +227,7 @@ contains
    !> The same of the coordinates of joints from..to of a batch
    pure logical function block_moved(from, to, first, q, bound) result(moved)
       integer, intent(in) :: from, to, first     !! first: joints before the batch
-      real(wp), contiguous, intent(in) :: q(:, :)
+      real(wp), intent(in) :: q(BLOCK, 6)        !! of the block that begins with `from`
       type(bound_t), intent(in) :: bound
 
       real(wp) :: worst
@@ -234,8 +237,9 @@ contains
       do k = 1, 3
          !$omp simd reduction(max: worst)
          do i = from, to
-            worst = max(worst, abs(q(i, k) - bound%q(first + i, k)) - bound%reach(first + i), &
-               abs(q(i, k + 3) - bound%q(first + i, k + 3)) - TURN)
+            worst = max(worst, abs(q(i - from + 1, k) - bound%q(first + i, k)) - &
+               bound%reach(first + i), abs(q(i - from + 1, k + 3) - &
+               bound%q(first + i, k + 3)) - TURN)
          end do
       end do
       moved = worst > 0.0_wp
@@ -266,13 +270,16 @@ contains
       integer, intent(in) :: b, i
       real(wp) :: rows(27)
 
-      real(wp) :: m(N_B)
+      real(wp) :: d(3)
       integer :: k
 
-      m = matrix_of(state%joint(b), i)
-      rows(:18) = m(:18)
+      associate (b_of => state%joint(b)%block(block_of(i))%b, lane => lane_of(i))
+         rows(:9) = b_of%force(lane, :)
+         rows(10:18) = b_of%couple(lane, :)
+         d = b_of%apart(lane, :)
+      end associate
       do k = 1, 7, 3
-         rows(k + 18:k + 20) = cross(m(28:30), m(k:k + 2)) - m(k + 9:k + 11)
+         rows(k + 18:k + 20) = cross(d, rows(k:k + 2)) - rows(k + 9:k + 11)
       end do
    end function rows_of
 
@@ -290,9 +297,9 @@ contains
          associate (b => model%team%joint(1, piece))
             do i = model%team%joint(2, piece), model%team%joint(3, piece)
                j = model%batch(b)%first + i
-               bound%q(j, :) = state%joint(b)%q(i, :)
-               bound%reach(j) = TURN*max(tiny(1.0_wp), norm2(model%batch(b)%geometry%arm(i, &
-                  1:3)) + &
+               bound%q(j, :) = state%joint(b)%block(block_of(i))%q(lane_of(i), :)
+               bound%reach(j) = TURN*max(tiny(1.0_wp), &
+                  norm2(model%batch(b)%geometry%arm(i, 1:3)) + &
                   norm2(model%batch(b)%geometry%arm(i, 4:6)) + norm2(model%batch(b)%xl0(i, :) + &
                   bound%q(j, 1:3)))
                if (is_spring(model%batch(b))) bound%rows(:, j) = rows_of(state, b, i)
@@ -459,22 +466,27 @@ contains
       integer, intent(in) :: b, i, e
       real(wp) :: rows(6, 6)
 
-      real(wp) :: sign, g, m(N_B)
+      real(wp) :: sign, g, force(9), couple(9), turn(9), d(3)
       integer :: k
 
       sign = merge(-1.0_wp, 1.0_wp, e == 1)
       g = 1.0_wp
-      associate (joint => state%joint(b))
-         if (batch%geometry%chart == CHART_VECTOR) g = spin_up(joint%q(i, 4:6))
-         m = matrix_of(joint, i)
-         rows = 0.0_wp
-         do k = 1, 3
-            rows(k, 1:3) = sign*m(3*k - 2:3*k)
-            rows(k, 4:6) = -m(3*k + 7:3*k + 9)
-            if (e == 2) rows(k, 4:6) = m(3*k + 7:3*k + 9) - cross(m(28:30), m(3*k - 2:3*k))
-            rows(k + 3, 4:6) = sign*g*m(3*k + 16:3*k + 18)
-         end do
+      associate (lanes => state%joint(b)%block(block_of(i)))
+         if (batch%geometry%chart == CHART_VECTOR) g = spin_up(lanes%q(lane_of(i), 4:6))
+         force = lanes%b%force(lane_of(i), :)
+         couple = lanes%b%couple(lane_of(i), :)
+         turn = lanes%b%turn(lane_of(i), :)
+         d = lanes%b%apart(lane_of(i), :)
       end associate
+      rows = 0.0_wp
+      do k = 1, 3
+         associate (from => 3*k - 2, to => 3*k)
+            rows(k, 1:3) = sign*force(from:to)
+            rows(k, 4:6) = -couple(from:to)
+            if (e == 2) rows(k, 4:6) = couple(from:to) - cross(d, force(from:to))
+            rows(k + 3, 4:6) = sign*g*turn(from:to)
+         end associate
+      end do
    end function rows_of_end
 
    !> Largest factor by which the axes of a rotation vector turn spring moments: (a/2)/sin(a/2)

@@ -216,17 +216,13 @@ contains
 
       do b = 1, size(model%batch)
          associate (joint => cs%joint(b), out => state%joint(b))
-            out%q = joint%q
-            out%f = joint%fe + joint%fd
-            if (model%batch(b)%limited) call publish_limits(model%batch(b), joint, out)
-            out%energy = joint%elastic + joint%dissipated
+            call publish_blocks(model%batch(b)%n, joint, out)
+            if (model%batch(b)%limited) out%k_block = model%batch(b)%limit%k_block
             call joint_rates(model%batch(b), cs%poses, joint, out%qdot)
             if (model%batch(b)%geometry%chart == CHART_UNIVERSAL) then
                do j = 1, model%batch(b)%n
                   out%e(j, :) = frame_of(model%batch(b), joint, j)
                end do
-            else
-               call copy_frames(joint, out%e)
             end if
             call show_in_mean_frame(model%batch(b)%geometry%plain, out%e, out%q, out%f, out%qdot)
             if (model%batch(b)%geometry%shifted) out%q(:, 4:6) = out%q(:, 4:6) + &
@@ -241,36 +237,37 @@ contains
       call add_looseness(model, cs, state)
    end subroutine publish_joints
 
-   !> What stops, friction and lock do
-   pure subroutine publish_limits(batch, joint, out)
-      type(joint_batch_t), intent(in) :: batch
+   !> Coordinates, forces, energies, what limits do, and the axes of the translations, which are the
+   !> frames of all but universal joints
+   pure subroutine publish_blocks(n_joint, joint, out)
+      integer, intent(in) :: n_joint
       type(consistent_joint_t), intent(in) :: joint
       type(joint_state_t), intent(inout) :: out
 
-      out%f = out%f + joint%friction
-      out%k_block = batch%limit%k_block
-      out%friction = joint%friction
-      out%slip_energy = joint%slip_energy
-      out%stored = joint%stored
-      out%locked = joint%locked
-      out%q_lock = joint%q_lock
-      out%flag = joint%flag
-   end subroutine publish_limits
+      integer :: at, from, to, n
 
-   !> Frames of joints that are no universal ones: the axes of their translations
-   pure subroutine copy_frames(joint, e)
-      type(consistent_joint_t), intent(in) :: joint
-      real(wp), intent(inout) :: e(:, :)         !! (n, 9)
-
-      integer :: from, n, k
-
-      do from = 1, size(e, 1), BLOCK
-         n = min(BLOCK, size(e, 1) - from + 1)
-         do k = 1, 9
-            e(from:from + n - 1, k) = joint%b(:n, k, (from - 1)/BLOCK + 1)
-         end do
+      do at = 1, size(joint%block)
+         from = (at - 1)*BLOCK + 1
+         to = min(at*BLOCK, n_joint)
+         n = to - from + 1
+         associate (lanes => joint%block(at))
+            out%q(from:to, :) = lanes%q(:n, :)
+            out%f(from:to, :) = lanes%fe(:n, :) + lanes%fd(:n, :)
+            out%energy(from:to) = lanes%elastic(:n) + lanes%dissipated(:n)
+            out%e(from:to, :) = lanes%b%force(:n, :)
+         end associate
+         if (.not. allocated(joint%limit)) cycle
+         associate (limit => joint%limit(at))
+            out%f(from:to, :) = out%f(from:to, :) + limit%friction(:n, :)
+            out%friction(from:to, :) = limit%friction(:n, :)
+            out%slip_energy(from:to) = limit%slip_energy(:n)
+            out%stored(from:to) = limit%stored(:n)
+            out%locked(from:to) = limit%locked(:n) > 0.0_wp
+            out%q_lock(from:to, :) = limit%q_lock(:n, :)
+            out%flag(from:to, :) = nint(limit%flag(:n, :))
+         end associate
       end do
-   end subroutine copy_frames
+   end subroutine publish_blocks
 
    !> Angle by which the second and third axis miss a right angle [rad]
    pure function skewness(e) result(angle)

@@ -7,7 +7,8 @@ module kj_consistent_springs
    use kj_joint_types, only: NDOF, FRAME_FIXED, CHART_TWIST, CHART_VECTOR, CHART_UNIVERSAL
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, joint_batch_t
    use kj_block, only: BLOCK, turn_arm
-   use kj_consistent_batch, only: consistent_joint_t, N_B, sprung_dofs, damped_dofs
+   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, matrix_t, sprung_dofs, &
+      damped_dofs
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_dampers, only: count_damping
    use kj_consistent_stop, only: add_limits
@@ -35,82 +36,82 @@ contains
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_CONSISTENT_WRENCH, all joints)
 
       real(wp) :: q(BLOCK, 6), f(BLOCK, 6), rot(BLOCK, 9), moment(BLOCK, 3), lost(BLOCK)
-      integer :: from, to, n, at, k
+      integer :: from, n, at, k
       logical :: sprung(NDOF), damped(NDOF)
 
       sprung = sprung_dofs(batch)
       damped = damped_dofs(batch)
       do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         n = to - from + 1
+         n = min(BLOCK, hi - from + 1)
          at = (from - 1)/BLOCK + 1
-         if (batch%geometry%damped .and. poses%h > 0.0_wp) call count_damping(batch, poses%v, &
-            poses%w_left, &
-            poses%h, from, n, joint%b(:, :, at), joint)
-         call coordinates(batch, poses, from, n, joint%q, q, joint%b(:, :, at), rot)
-         call laws(batch, curves, poses, from, n, q, joint%b(:, 19:27, at), joint, f, lost)
-         call keep_coordinates(from, n, sprung, q, f, joint)
-         if (batch%limited) then
-            joint%elastic(from:to) = joint%elastic(from:to) - lost(:n)
-            joint%dissipated(from:to) = joint%dissipated(from:to) + lost(:n)
-         end if
-         moment(:n, :) = 0.0_wp
-         if (batch%geometry%chart == CHART_VECTOR) then
-            if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
-         else if (any(sprung(4:6))) then
-            call add_moment(n, f(:, 4:6), joint%b(:, 19:27, at), moment)
-         end if
-         if (batch%geometry%damped) then
-            call rates(batch, damped, poses%v, poses%w, from, n, joint%b(:, :, at), q)
-            do k = 1, 6
-               if (.not. damped(k)) then
-                  q(:n, k) = 0.0_wp
-                  cycle
-               end if
-               joint%qd(from:to, k) = q(:n, k)
-               q(:n, k) = joint%fd(from:to, k)
-               if (batch%limited) q(:n, k) = q(:n, k) + joint%friction(from:to, k)
-            end do
-            f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
-            if (any(damped(4:6))) call add_moment(n, q(:, 4:6), joint%b(:, 19:27, at), moment)
-         end if
-         call put_wrench(n, f(:, 1:3), moment, joint%b(:, :, at), wrench(:, batch%first + from:))
+         associate (state => joint%block(at))
+            if (batch%geometry%damped .and. poses%h > 0.0_wp) call count_damping(batch, poses%v, &
+               poses%w_left, poses%h, from, n, state)
+            call coordinates(batch, poses, from, n, state%q, q, state%b, rot)
+            call laws(batch, curves, poses, from, n, q, at, joint, f, lost)
+            call keep_coordinates(n, sprung, q, f, state)
+            if (batch%limited) then
+               state%elastic(:n) = state%elastic(:n) - lost(:n)
+               state%dissipated(:n) = state%dissipated(:n) + lost(:n)
+            end if
+            moment(:n, :) = 0.0_wp
+            if (batch%geometry%chart == CHART_VECTOR) then
+               if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
+            else if (any(sprung(4:6))) then
+               call add_moment(n, f(:, 4:6), state%b%turn, moment)
+            end if
+            if (batch%geometry%damped) then
+               call rates(batch, damped, poses%v, poses%w, from, n, state%b, q)
+               do k = 1, 6
+                  if (.not. damped(k)) then
+                     q(:n, k) = 0.0_wp
+                     cycle
+                  end if
+                  state%qd(:n, k) = q(:n, k)
+                  q(:n, k) = state%fd(:n, k)
+                  if (batch%limited) q(:n, k) = q(:n, k) + joint%limit(at)%friction(:n, k)
+               end do
+               f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
+               if (any(damped(4:6))) call add_moment(n, q(:, 4:6), state%b%turn, moment)
+            end if
+            call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
+         end associate
       end do
    end subroutine add_springs
 
    !> Keep coordinates and spring forces, and count the work done on the springs
-   pure subroutine keep_coordinates(from, n, sprung, q, f, joint)
-      integer, intent(in) :: from, n
+   pure subroutine keep_coordinates(n, sprung, q, f, state)
+      integer, intent(in) :: n
       logical, intent(in) :: sprung(NDOF)
       real(wp), intent(in) :: q(BLOCK, 6), f(BLOCK, 6)
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_block_t), intent(inout) :: state
 
-      integer :: i, j, k
+      integer :: i, k
 
       do k = 1, NDOF
          if (.not. sprung(k)) then
-            joint%q(from:from + n - 1, k) = q(:n, k)
+            state%q(:n, k) = q(:n, k)
             cycle
          end if
-         !$omp simd private(j)
+         !$omp simd
          do i = 1, n
-            j = from + i - 1
-            joint%elastic(j) = joint%elastic(j) + &
-               0.5_wp*(q(i, k) - joint%q(j, k))*(f(i, k) + joint%fe(j, k))
-            joint%q(j, k) = q(i, k)
-            joint%fe(j, k) = f(i, k)
+            state%elastic(i) = state%elastic(i) + &
+               0.5_wp*(q(i, k) - state%q(i, k))*(f(i, k) + state%fe(i, k))
+            state%q(i, k) = q(i, k)
+            state%fe(i, k) = f(i, k)
          end do
       end do
    end subroutine keep_coordinates
 
    !> Forces of springs, stops and locks, and the friction of the joints and its work; joint holds
    !> the coordinates of the last step
-   pure subroutine laws(batch, curves, poses, from, n, q, rot, joint, f, lost)
+   pure subroutine laws(batch, curves, poses, from, n, q, at, joint, f, lost)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
-      real(wp), intent(in) :: q(BLOCK, 6), rot(BLOCK, 9)
+      real(wp), intent(in) :: q(BLOCK, 6)
+      integer, intent(in) :: at                  !! the block
       type(consistent_joint_t), intent(inout) :: joint
       real(wp), intent(out) :: f(BLOCK, 6), lost(BLOCK)
 
@@ -125,7 +126,7 @@ contains
       end if
       to = from + n - 1
       now(:n, :) = q(:n, :)
-      before(:n, :) = joint%q(from:to, :)
+      before(:n, :) = joint%block(at)%q(:n, :)
       if (batch%geometry%shifted) then
          now(:n, 4:6) = now(:n, 4:6) + batch%angle0(from:to, :)
          before(:n, 4:6) = before(:n, 4:6) + batch%angle0(from:to, :)
@@ -136,12 +137,12 @@ contains
       if (.not. batch%limited) return
       slid(:n, :) = now(:n, :) - before(:n, :)
       if (batch%geometry%chart == CHART_VECTOR) call turn_in_frame(batch, poses%psi, from, n, &
-         rot, slid)
-      friction(:n, :) = joint%friction(from:to, :)
-      call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, joint, f, &
-         lost)
-      joint%elastic(from:to) = joint%elastic(from:to) + 0.5_wp* &
-         sum(slid(:n, :)*(friction(:n, :) + joint%friction(from:to, :)), dim=2)
+         joint%block(at)%b%turn, slid)
+      friction(:n, :) = joint%limit(at)%friction(:n, :)
+      call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, &
+         joint%limit(at), f, lost)
+      joint%block(at)%elastic(:n) = joint%block(at)%elastic(:n) + 0.5_wp* &
+         sum(slid(:n, :)*(friction(:n, :) + joint%limit(at)%friction(:n, :)), dim=2)
    end subroutine laws
 
    !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
@@ -150,9 +151,9 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from, n
-      real(wp), intent(in) :: last(:, :)            !! (n, 6) last coordinates of the whole batch
+      real(wp), intent(in) :: last(BLOCK, 6)        !! last coordinates
       real(wp), intent(out) :: q(BLOCK, 6)
-      real(wp), intent(inout) :: b(BLOCK, N_B)
+      type(matrix_t), intent(inout) :: b
       real(wp), intent(out) :: rot(BLOCK, 9)
 
       real(wp), dimension(BLOCK, 4) :: t1, t2, p
@@ -163,49 +164,48 @@ contains
       integer :: i, k
 
       do k = 4, 6
-         q(:n, k) = last(from:from + n - 1, k)
+         q(:n, k) = last(:n, k)
       end do
       call see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
       if (is_spring(batch)) then
          e(:n, :) = batch%frame0(from:from + n - 1, :)
-         call spring_axes(n, batch%frame, e, t1, t2, r, b(:, 1:9), b(:, 10:18))
+         call spring_axes(n, batch%frame, e, t1, t2, r, b%force, b%couple)
       else if (.not. batch%geometry%mean) then
-         call first_skew(n, t1, r, b(:, 1:9), b(:, 10:18))
+         call first_skew(n, t1, r, b%force, b%couple)
       end if
       select case (batch%geometry%chart)
       case (CHART_TWIST)
-         call twist_chart(n, batch%geometry%mean, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, 10:18), &
-            b(:, 19:27))
+         call twist_chart(n, batch%geometry%mean, t1, p, r, q(:, 4:6), b%force, b%couple, &
+            b%turn)
       case (CHART_VECTOR)
          do i = 1, n
             scalar(i) = merge(1.0_wp, 0.0_wp, batch%geometry%plain(from + i - 1))
          end do
-         call vector_chart(n, batch%geometry%mean, scalar, t1, p, r, q(:, 4:6), b(:, 1:9), b(:, &
-            10:18), &
-            rot, b(:, 19:27))
+         call vector_chart(n, batch%geometry%mean, scalar, t1, p, r, q(:, 4:6), b%force, b%couple, &
+            rot, b%turn)
       case (CHART_UNIVERSAL)
          angle(:n) = batch%geometry%axis_angle(from:from + n - 1)
-         call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b(:, 1:9), b(:, 10:18), &
+         call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b%force, b%couple, &
             scalar)
-         b(:n, 19:27) = b(:n, 1:9)
+         b%turn(:n, :) = b%force(:n, :)
       case default   ! CHART_LINE
          q(:n, 4:6) = 0.0_wp
-         b(:n, 19:27) = 0.0_wp
+         b%turn(:n, :) = 0.0_wp
       end select
       do k = 0, 2
          !$omp simd
          do i = 1, n
-            q(i, k + 1) = b(i, 3*k + 1)*r(i, 1) + b(i, 3*k + 2)*r(i, 2) + &
-               b(i, 3*k + 3)*r(i, 3) - batch%xl0(from + i - 1, k + 1)
+            q(i, k + 1) = b%force(i, 3*k + 1)*r(i, 1) + b%force(i, 3*k + 2)*r(i, 2) + &
+               b%force(i, 3*k + 3)*r(i, 3) - batch%xl0(from + i - 1, k + 1)
          end do
-         call add_lever(n, arm1, b(:, 3*k + 1:3*k + 3), b(:, 3*k + 10:3*k + 12))
+         call add_lever(n, arm1, b%force(:, 3*k + 1:3*k + 3), b%couple(:, 3*k + 1:3*k + 3))
       end do
       ! axes that ride on neither end take no couple
       share = merge(0.0_wp, 1.0_wp, is_spring(batch) .and. (batch%frame == FRAME_FIXED))
       do k = 1, 3
          !$omp simd
          do i = 1, n
-            b(i, 27 + k) = share*r(i, k) + (arm1(i, k) - arm2(i, k))
+            b%apart(i, k) = share*r(i, k) + (arm1(i, k) - arm2(i, k))
          end do
       end do
    end subroutine coordinates

@@ -17,7 +17,7 @@ module kj_consistent_stop
    use kj_joint_batch, only: DOF_FREE, DOF_AT_STOP, DOF_LOCKED, DOF_BLOCKED, has_friction, &
       joint_batch_t
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_joint_t
+   use kj_consistent_batch, only: limit_block_t
    use kj_consistent_friction, only: rub
    implicit none
    private
@@ -32,45 +32,44 @@ contains
    !> Limits of joints from..from + n - 1: forces of stops and locks added to those of a block, and
    !> the friction.
    !>
-   !> joint%grip, c_limit, c_round, to_round, stored and flag are set anew; friction, slip_energy,
-   !> locked, q_lock advance.
-   pure subroutine add_limits(batch, curves, time, h, from, n, before, q, slid, joint, f, lost)
+   !> In `state` grip, c_limit, c_round, to_round, stored and flag are set anew; friction,
+   !> slip_energy, locked, q_lock advance.
+   pure subroutine add_limits(batch, curves, time, h, from, n, before, q, slid, state, f, lost)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time, h            !! now, and the step that led here (0: none)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)   !! coordinates at time - h, time
       real(wp), intent(in) :: slid(BLOCK, NDOF)  !! way of the step that friction sees
-      type(consistent_joint_t), intent(inout) :: joint
+      type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF)
       real(wp), intent(out) :: lost(BLOCK)       !! energy that friction or a release took
 
-      integer :: to, dof
+      integer :: dof
 
-      to = from + n - 1
-      joint%stored(from:to) = 0.0_wp
-      joint%c_limit(from:to, :) = 0.0_wp
-      joint%c_round(from:to, :) = 0.0_wp
+      state%stored(:n) = 0.0_wp
+      state%c_limit(:n, :) = 0.0_wp
+      state%c_round(:n, :) = 0.0_wp
       do dof = 1, NDOF
-         joint%flag(from:to, dof) = merge(DOF_FREE, DOF_BLOCKED, &
+         state%flag(:n, dof) = merge(DOF_FREE, DOF_BLOCKED, &
             joint_types(batch%row)%free(dof) == 1)
       end do
       lost = 0.0_wp
-      call rub(batch, curves, h, from, n, q, slid, joint, lost)
-      joint%slip_energy(from:to) = joint%slip_energy(from:to) + lost(:n)
-      call stop_plain(batch, h, from, n, before, q, joint, f)
-      call stop_combined(batch, h, from, n, 1, 3, before, q, joint, f)
-      call stop_combined(batch, h, from, n, 4, 6, before, q, joint, f)
-      call lock(batch, time, h, from, n, before, q, joint, f, lost)
+      call rub(batch, curves, h, from, n, q, slid, state, lost)
+      state%slip_energy(:n) = state%slip_energy(:n) + lost(:n)
+      call stop_plain(batch, h, from, n, before, q, state, f)
+      call stop_combined(batch, h, from, n, 1, 3, before, q, state, f)
+      call stop_combined(batch, h, from, n, 4, 6, before, q, state, f)
+      call lock(batch, time, h, from, n, before, q, state, f, lost)
    end subroutine add_limits
 
    !> Stops of directions that are not combined
-   pure subroutine stop_plain(batch, h, from, n, before, q, joint, f)
+   pure subroutine stop_plain(batch, h, from, n, before, q, state, f)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
-      type(consistent_joint_t), intent(inout) :: joint
+      type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
       real(wp) :: over, k
@@ -89,9 +88,9 @@ contains
             if (.not. abs(over) > 0.0_wp) cycle
             k = stop_stiffness(batch, j, dof)
             f(i, dof) = f(i, dof) + k*over
-            joint%stored(j) = joint%stored(j) + 0.5_wp*k*over**2
-            joint%flag(j, dof) = DOF_AT_STOP
-            joint%c_limit(j, dof) = joint%c_limit(j, dof) + stop_damping(batch, h, j, dof, k, &
+            state%stored(i) = state%stored(i) + 0.5_wp*k*over**2
+            state%flag(i, dof) = DOF_AT_STOP
+            state%c_limit(i, dof) = state%c_limit(i, dof) + stop_damping(batch, h, j, dof, k, &
                abs(over), q(i, dof) - before(i, dof))
          end do
       end do
@@ -110,12 +109,12 @@ contains
 
    !> Combined stops of directions first..last: a potential of the distance from the centre alone,
    !> with the least radius and the largest stiffness of them
-   pure subroutine stop_combined(batch, h, from, n, first, last, before, q, joint, f)
+   pure subroutine stop_combined(batch, h, from, n, first, last, before, q, state, f)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n, first, last
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
-      type(consistent_joint_t), intent(inout) :: joint
+      type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
       real(wp) :: d(first:last), reach, over, k
@@ -141,10 +140,10 @@ contains
          end do
          d = d/reach
          f(i, first:last) = f(i, first:last) + k*over*d
-         joint%stored(j) = joint%stored(j) + 0.5_wp*k*over**2
-         where (in) joint%flag(j, first:last) = DOF_AT_STOP
-         joint%to_round(j, first:last) = d
-         joint%c_round(j, last/3) = stop_damping(batch, h, j, stiffest, k, over, &
+         state%stored(i) = state%stored(i) + 0.5_wp*k*over**2
+         where (in) state%flag(i, first:last) = DOF_AT_STOP
+         state%to_round(i, first:last) = d
+         state%c_round(i, last/3) = stop_damping(batch, h, j, stiffest, k, over, &
             dot_product(d, q(i, first:last) - before(i, first:last)))
       end do
    end subroutine stop_combined
@@ -152,10 +151,10 @@ contains
    !> Damping of combined stops along their direction d, after that of the single directions: the
    !> implicit f = c (d.rate - h/2 d.S change)/(1 + h/2 c d.S d), added along d to change, that of
    !> the damping forces of the block
-   pure subroutine damp_round_stops(joint, h, from, n, rate, s, change)
-      type(consistent_joint_t), intent(in) :: joint
+   pure subroutine damp_round_stops(state, h, n, rate, s, change)
+      type(limit_block_t), intent(in) :: state
       real(wp), intent(in) :: h
-      integer, intent(in) :: from, n
+      integer, intent(in) :: n
       real(wp), intent(in) :: rate(BLOCK, NDOF)  !! predicted
       real(wp), intent(in) :: s(BLOCK, 21)       !! B M^-1 B^T, lower triangle by rows
       real(wp), intent(inout) :: change(BLOCK, NDOF)
@@ -165,10 +164,10 @@ contains
 
       do i = 1, n
          do part = 1, 2
-            c = joint%c_round(from + i - 1, part)
+            c = state%c_round(i, part)
             if (.not. c > 0.0_wp) cycle
             d = 0.0_wp
-            d(3*part - 2:3*part) = joint%to_round(from + i - 1, 3*part - 2:3*part)
+            d(3*part - 2:3*part) = state%to_round(i, 3*part - 2:3*part)
             do k = 1, NDOF
                sd(k) = 0.0_wp
                do l = 1, NDOF
@@ -185,12 +184,12 @@ contains
    !> Lock of the free directions while the sensor acts. q0 is the coordinate at its very time, so
    !> the force starts from zero; the damping comes in over the first period of the lock. When the
    !> sensor lets go, what the lock holds is lost.
-   pure subroutine lock(batch, time, h, from, n, before, q, joint, f, lost)
+   pure subroutine lock(batch, time, h, from, n, before, q, state, f, lost)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time, h
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
-      type(consistent_joint_t), intent(inout) :: joint
+      type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF), lost(BLOCK)
 
       real(wp) :: k, m, part, strain
@@ -201,29 +200,29 @@ contains
          j = from + i - 1
          associate (l => batch%limit)
             holds = time > l%t_lock(j) .and. time <= l%t_free(j)
-            if (.not. (holds .or. joint%locked(j))) cycle
-            if (.not. joint%locked(j)) then
+            if (.not. (holds .or. state%locked(i) > 0.0_wp)) cycle
+            if (.not. state%locked(i) > 0.0_wp) then
                part = 1.0_wp
                if (h > 0.0_wp) part = max(0.0_wp, 1.0_wp - (time - l%t_lock(j))/h)
-               joint%q_lock(j, :) = before(i, :) + part*(q(i, :) - before(i, :))
+               state%q_lock(i, :) = before(i, :) + part*(q(i, :) - before(i, :))
             end if
-            joint%locked(j) = holds
+            state%locked(i) = merge(1.0_wp, 0.0_wp, holds)
             do dof = 1, NDOF
                if (joint_types(batch%row)%free(dof) == 0) cycle
                k = l%k_block(j, merge(1, 2, dof <= 3))
                m = batch%geometry%inertia(j, dof)
-               strain = q(i, dof) - joint%q_lock(j, dof)
+               strain = q(i, dof) - state%q_lock(i, dof)
                if (.not. holds) then
                   ! what is left of k strain^2/2 by the trapezoidal rule of the work
                   lost(i) = lost(i) + max(0.0_wp, 0.5_wp*k*strain*(before(i, dof) - &
-                     joint%q_lock(j, dof)))
+                     state%q_lock(i, dof)))
                   cycle
                end if
                f(i, dof) = f(i, dof) + k*strain
-               joint%stored(j) = joint%stored(j) + 0.5_wp*k*strain**2
-               joint%flag(j, dof) = DOF_LOCKED
+               state%stored(i) = state%stored(i) + 0.5_wp*k*strain**2
+               state%flag(i, dof) = DOF_LOCKED
                if (.not. m > 0.0_wp) cycle
-               joint%c_limit(j, dof) = joint%c_limit(j, dof) + l%cr(j)*sqrt(k*m)* &
+               state%c_limit(i, dof) = state%c_limit(i, dof) + l%cr(j)*sqrt(k*m)* &
                   min(1.0_wp, (time - l%t_lock(j))*sqrt(k/m)/TWO_PI)
             end do
          end associate

@@ -5,7 +5,6 @@ module kj_pages
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_size_t
    use kj_team, only: LARGE
    use kj_joint_batch, only: joint_batch_t, joint_state_t
-   use kj_consistent_batch, only: consistent_joint_t
    use kj_legacy_state, only: legacy_state_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    implicit none
@@ -15,7 +14,7 @@ module kj_pages
 
    !> Ask for huge pages below an array; nothing happens where there are none
    interface use_huge
-      module procedure huge_column, huge_columns, huge_blocks, huge_indices
+      module procedure huge_column, huge_columns, huge_indices
    end interface use_huge
 
    interface
@@ -89,7 +88,7 @@ contains
 
       if (model%n_joint + model%n_lead < LARGE) return
       do b = 1, size(model%batch)
-         call place_consistent_batch(model%batch(b), s%joint(b))
+         call place_consistent_batch(model%batch(b))
       end do
       associate (p => s%poses)
          call use_huge(p%x)
@@ -113,9 +112,8 @@ contains
       call use_huge(s%wrench)
    end subroutine place_consistent_state
 
-   subroutine place_consistent_batch(b, s)
+   subroutine place_consistent_batch(b)
       type(joint_batch_t), intent(in) :: b
-      type(consistent_joint_t), intent(in) :: s
 
       call use_huge(b%lead)
       call use_huge(b%geometry%arm)
@@ -123,13 +121,6 @@ contains
       call use_huge(b%xl0)
       call use_huge(b%k)
       call use_huge(b%c)
-      call use_huge(s%q)
-      call use_huge(s%fe)
-      call use_huge(s%fd)
-      call use_huge(s%elastic)
-      call use_huge(s%dissipated)
-      call use_huge(s%b)
-      call use_huge(s%qd)
    end subroutine place_consistent_batch
 
    subroutine huge_column(array)
@@ -143,12 +134,6 @@ contains
 
       call huge_reals(array, size(array, kind=c_size_t))
    end subroutine huge_columns
-
-   subroutine huge_blocks(array)
-      real(c_double), contiguous, intent(in) :: array(:, :, :)
-
-      call huge_reals(array, size(array, kind=c_size_t))
-   end subroutine huge_blocks
 
    subroutine huge_indices(array)
       integer(c_int), contiguous, intent(in) :: array(:, :)

@@ -6,12 +6,26 @@ module kj_block
    implicit none
    private
 
-   public :: turn_arm, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross, &
-      line_axes
+   public :: block_of, lane_of, turn_arm, turn_frames, turn_axes, cross_frames, to_local, &
+      to_world, add_cross, line_axes
 
    integer, parameter, public :: BLOCK = 64    !! joints a kernel works on at a time
 
 contains
+
+   !> Block of joint i of a batch
+   pure elemental integer function block_of(i)
+      integer, intent(in) :: i
+
+      block_of = (i - 1)/BLOCK + 1
+   end function block_of
+
+   !> Place of joint i of a batch in its block
+   pure elemental integer function lane_of(i)
+      integer, intent(in) :: i
+
+      lane_of = modulo(i - 1, BLOCK) + 1
+   end function lane_of
 
    !> E := Exp(phi) E, exact (Rodrigues). Three columns, turned by the same vector.
    pure subroutine turn_frames(n, phi, e)
