@@ -4,7 +4,6 @@ module kj_consistent_build
    use kj_kinds, only: wp
    use kj_team, only: new_team
    use kj_plan, only: new_plan, plan_of_leads
-   use kj_wave, only: N_STEP
    use kj_block, only: block_of, lane_of
    use kj_lead_map, only: SPAN, N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
@@ -18,7 +17,6 @@ module kj_consistent_build
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
    use kj_consistent_conditions, only: collect_holds, at_rest, all_blocked, motion_targets, &
       project_all, WHOLE
-   use kj_consistent_wave, only: build_wave
    use kj_gravity, only: new_gravity
    use kj_consistent_step, only: find_forces
    use kj_curve, only: curve_integral
@@ -37,7 +35,7 @@ contains
 
       if (allocated(model%arm)) deallocate (model%hold_of, model%arm, &
          model%inverse_mass, model%spin_inertia, model%inverse_inertia, model%quat0, model%axes0, &
-         model%equal, model%hold, model%hold_to, model%wave%stage)
+         model%equal, model%hold, model%hold_to)
       allocate (model%hold_of(model%n_lead))
       model%n_end = model%map%first(2:) - model%map%first(:model%n_lead)
       call collect_holds(model)
@@ -68,7 +66,6 @@ contains
          model%placed = [model%placed, model%cload(i)%node]
       end do
       model%loose = loose_ends(model)
-      call build_wave(model)
    end subroutine build_consistent_model
 
    !> Ends whose moving skew does not ride on the lead of the joint node: (2, n) joint in deck
@@ -273,7 +270,7 @@ contains
       do b = 1, size(model%batch)
          call new_consistent_joint(model%batch(b), state%joint(b))
       end do
-      allocate (state%part(N_SUM, size(model%once%hub), 2, 0:N_STEP), source=0.0_wp)
+      allocate (state%part(N_SUM, size(model%once%hub), 2), source=0.0_wp)
       allocate (state%wrench(N_CONSISTENT_WRENCH, model%n_element), &
          state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &

@@ -175,8 +175,8 @@ contains
       real(wp), dimension(BLOCK) :: kn, kr            ! these wrenches have none
       integer :: n
 
-      call gather_wrenches(model%map, state%wrench, ready, state%part(:, :, round, 0), lo, hi, f, &
-         t, kn, kr)
+      call gather_wrenches(model%map, state%wrench, ready, state%part(:, :, round), lo, hi, f, t, &
+         kn, kr)
       n = hi - lo + 1
       state%f(lo:hi, :) = state%f(lo:hi, :) + f(:n, :)
       state%t(lo:hi, :) = state%t(lo:hi, :) + t(:n, :)

@@ -15,7 +15,7 @@ module kj_consistent_march
    use kj_consistent_nodal_step, only: nodal_bound
    use kj_consistent_impact_step, only: contact_t, watch_stops
    use kj_consistent_load, only: field_at
-   use kj_consistent_step, only: split_steps
+   use kj_consistent_step, only: split_step
    use kj_consistent_rkmk, only: rkmk_step
    implicit none
    private
@@ -168,13 +168,13 @@ contains
 
       integer :: i
 
-      if (integrator == RKMK4) then
-         do i = 1, n
+      do i = 1, n
+         if (integrator == RKMK4) then
             call rkmk_step(model, h, state)
-         end do
-      else
-         call split_steps(model, integrator == LIEMID, h, n, state)
-      end if
+         else
+            call split_step(model, integrator == LIEMID, h, state)
+         end if
+      end do
    end subroutine take_steps
 
    !> A joint (index among all) whose three free rotations come to a whole turn, where their chart

@@ -44,7 +44,6 @@ module kj_consistent_state
       type(team_t) :: team                       !! pieces for the threads
       ! and their order: joints and leads once, twice (springs, dampers; where damped), leads alone
       type(plan_t) :: once, twice, alone
-      type(plan_t) :: wave                       !! several steps at once; no stages: there is none
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: inverse_mass(:)   !! (n_lead) 0 where held or massless
       !> (n_lead, 3) principal inertia and its inverse, 0 where held
@@ -88,8 +87,7 @@ module kj_consistent_state
       type(kept_t) :: kept
       type(consistent_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element)
-      !> (N_SUM, parts of hubs, 2 rounds, 0:steps of a wave) their sums; 0: of a step alone
-      real(wp), allocatable :: part(:, :, :, :)
+      real(wp), allocatable :: part(:, :, :)     !! (N_SUM, parts of hubs, 2 rounds) their sums
       !> (n_motion) value reached: velocity of an imposed acceleration
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads

@@ -7,8 +7,6 @@ module kj_consistent_step
    use kj_skew, only: move_skews
    use kj_lead_map, only: sum_part
    use kj_plan, only: plan_t, DO_JOINTS, DO_PART, DO_LEADS
-   use kj_wave, only: N_STEP
-   use kj_consistent_wave, only: load_hub
    use kj_consistent_springs, only: add_springs
    use kj_consistent_dampers, only: add_dampers
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -18,7 +16,7 @@ module kj_consistent_step
    implicit none
    private
 
-   public :: split_steps, find_forces, place_node, reach_motions
+   public :: split_step, find_forces, place_node, reach_motions
 
    !> What threads do with pieces of leads: one thing or the sum of several, in this order
    integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 4, WEIGH = 8, LOOK = 16, KICKING = 32
@@ -30,7 +28,6 @@ module kj_consistent_step
    type :: step_t
       logical :: midpoint = .false.                  !! liemid instead of split2
       real(wp) :: h = 0.0_wp
-      integer :: n = 1                               !! steps at once, of a wave
       !> (n_motion) wanted velocities: mean of the step, and at its end
       real(wp), allocatable :: mean(:), final(:)
       logical, allocatable :: active(:)              !! (n_motion)
@@ -59,65 +56,6 @@ contains
       state%time = state%time + h
       call to_new_pose(MOVE, KICKING, model, step, state)
    end subroutine split_step
-
-   !> n steps of h: in waves where the scene lets several steps go at once
-   subroutine split_steps(model, midpoint, h, n, state)
-      type(consistent_model_t), intent(in) :: model
-      logical, intent(in) :: midpoint                !! liemid instead of split2
-      real(wp), intent(in) :: h
-      integer, intent(in) :: n
-      type(consistent_state_t), intent(inout) :: state
-
-      integer :: left, now
-
-      left = n
-      do while (left > 0)
-         now = min(left, N_STEP)
-         if (allocated(state%f_host) .or. size(model%wave%stage) == 0) now = 1
-         if (now == 1) then
-            call split_step(model, midpoint, h, state)
-         else
-            call wave(model, midpoint, h, now, state)
-         end if
-         left = left - now
-      end do
-   end subroutine split_steps
-
-   !> At most N_STEP steps in one pass over the scene (kj_wave)
-   subroutine wave(model, midpoint, h, n, state)
-      type(consistent_model_t), intent(in) :: model
-      logical, intent(in) :: midpoint
-      real(wp), intent(in) :: h
-      integer, intent(in) :: n
-      type(consistent_state_t), intent(inout) :: state
-
-      type(step_t) :: step
-      integer :: i
-
-      allocate (step%mean(0), step%final(0), step%active(0))
-      step%midpoint = midpoint
-      step%h = h
-      step%n = n
-      state%h = h
-      state%cycle = state%cycle + n
-      do i = 1, n
-         state%time = state%time + h
-      end do
-      call find_gravity(model, state)
-      state%poses%time = state%time
-      state%poses%h = h
-      state%part(:, :, :, 0) = 0.0_wp
-      if (model%damped) then
-         call go_through(model%wave, [MOVE, GATHERING + WEIGH + LOOK, GATHERING + KICKING], &
-            [SPRINGS, DAMPERS], model, step, state)
-      else
-         call go_through(model%wave, [MOVE, GATHERING + WEIGH + KICKING], [SPRINGS], model, step, &
-            state)
-      end if
-      do i = 1, size(model%map%hub)
-         call load_hub(model, i, n, state)
-      end do
-   end subroutine wave
 
    !> Forces and moments of all leads in the pose reached. h = 0: at the start, dampers from the
    !> velocities as they are.
@@ -228,15 +166,13 @@ contains
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
-      associate (item => plan%stage(s)%item(task), round => plan%stage(s)%round(task), &
-         at => plan%stage(s)%step(task))
-         if (at > step%n) return
+      associate (item => plan%stage(s)%item(task), round => plan%stage(s)%round(task))
          select case (plan%stage(s)%kind(task))
          case (DO_JOINTS)
             call work_on_joints(joints(round), plan%team%joint(:, item), model, step, state)
          case (DO_PART)
             call sum_part(model%map, state%wrench, plan%hub(item), item, &
-               state%part(:, item, round, at))
+               state%part(:, item, round))
          case (DO_LEADS)
             call work_on_leads(leads(round), plan%ready(:, max(1, round)), round, &
                plan%team%lead(:, item), model, step, state)

@@ -25,7 +25,6 @@ module kj_plan
       integer, allocatable :: kind(:)             !! of each task, DO_ constant
       integer, allocatable :: round(:)            !! 0, 1 or 2
       integer, allocatable :: item(:)
-      integer, allocatable :: step(:)             !! of those in a wave; 0 = there is only one
       integer, allocatable :: shares(:)           !! (0:shares) tasks up to the end of each share
    end type stage_t
 
@@ -200,7 +199,6 @@ contains
          stage%kind = spread(DO_LEADS, 1, n)
          stage%round = spread(0, 1, n)
          stage%item = [(i, i=1, n)]
-         stage%step = spread(0, 1, n)
          stage%shares = team%leads
       end associate
    end subroutine plan_of_leads
@@ -383,7 +381,6 @@ contains
       stage%kind = tasks%kind(pick)
       stage%round = tasks%round(pick)
       stage%item = tasks%item(pick)
-      stage%step = spread(0, 1, size(pick))
       allocate (stage%shares(0:ubound(shares, 1)))
       stage%shares = shares
    end function stage_of

@@ -37,27 +37,23 @@ module kj_team
 contains
 
    !> Cut a scene. It gets no more threads than it has joints and leads for: `least` each.
-   pure subroutine new_team(threads, least, n_joint, n_end, team, shares)
+   pure subroutine new_team(threads, least, n_joint, n_end, team)
       integer, intent(in) :: threads, least
       integer, intent(in) :: n_joint(:)           !! of each batch
       integer, intent(in) :: n_end(:)             !! (n_lead) joint ends, and nodes to move, of each
       type(team_t), intent(out) :: team
-      !> for each thread, with pieces as small as they go; else as many as are worth it
-      integer, intent(in), optional :: shares
 
-      integer :: k, n, n_lead, length, most_now
+      integer :: k, n, n_lead, length
 
       n_lead = size(n_end)
       n = sum(n_joint)
       team%threads = max(1, min(threads, max(n, n_lead)/max(1, least)))
-      most_now = merge(BLOCK, MOST, present(shares))
       if (team%threads > 1) then
          k = max(1, min(SHARES_OF_ONE, max(n, n_lead)/(team%threads*LEAST_SHARE)))
-         if (present(shares)) k = shares
          team%shares = k*team%threads
       end if
-      call cut_batches(n_joint, min(most_now, piece_length(n, team%shares)), team%joint)
-      length = min(most_now, piece_length(n_lead, team%shares))
+      call cut_batches(n_joint, min(MOST, piece_length(n, team%shares)), team%joint)
+      length = min(MOST, piece_length(n_lead, team%shares))
       n = (n_lead + length - 1)/length
       allocate (team%lead(2, n))
       do k = 1, n
