@@ -13,7 +13,7 @@ if(KJOINT_C)
   install(TARGETS kjoint_c EXPORT kjoint-c)
   install(EXPORT kjoint-c NAMESPACE kjoint:: DESTINATION ${package_dir})
   install(FILES include/kjoint.h TYPE INCLUDE)
-  install(DIRECTORY tools/python/kjoint DESTINATION ${CMAKE_INSTALL_LIBDIR}/kjoint/python
+  install(DIRECTORY python/kjoint DESTINATION ${CMAKE_INSTALL_LIBDIR}/kjoint/python
     FILES_MATCHING PATTERN "*.py")
 endif()
 

@@ -88,7 +88,7 @@ def plots(work):
 def main(kjoint, folder, library=None):
     work = pathlib.Path(folder).resolve()
     work.mkdir(parents=True, exist_ok=True)
-    os.environ.update(MPLCONFIGDIR=str(work), MPLBACKEND="Agg", PYTHONPATH=str(ROOT / "tools" / "python"))
+    os.environ.update(MPLCONFIGDIR=str(work), MPLBACKEND="Agg", PYTHONPATH=str(ROOT / "python"))
     if library:
         os.environ["KJOINT_LIBRARY"] = str(pathlib.Path(library).resolve())
     deck = ROOT / "decks" / "slider_crank_0000.rad"
