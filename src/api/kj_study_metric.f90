@@ -1,12 +1,12 @@
 !> Rows of a run at given times, and how far they are from those of another run, class by class.
 module kj_study_metric
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, ERR_INTERNAL
+   use kj_error, only: error_t
    use kj_channels, only: channels, AT_T, AT_HALF, CH_TIME, CH_ENERGY_ERROR, CH_J_FORCE, &
       CH_J_MOMENT, CH_J_VIOL_T, CH_J_VIOL_R, CH_B_POS, CH_B_VEL, CH_B_ANGVEL, CH_B_ORIENT, &
       CH_N_POS, CH_N_VEL
    use kj_history, only: history_t, variable_t
-   use kj_sink, only: sink_t
+   use kj_sink_memory, only: sink_memory_t
    implicit none
    private
 
@@ -20,17 +20,14 @@ module kj_study_metric
    integer, parameter :: COMPARED(2, 8) = reshape([CH_B_POS, 1, CH_N_POS, 1, CH_B_ORIENT, 2, &
       CH_B_VEL, 3, CH_N_VEL, 3, CH_B_ANGVEL, 4, CH_J_FORCE, 5, CH_J_MOMENT, 6], [2, 8])
 
-   integer, parameter :: FIRST_ROWS = 256       !! room made at open, doubled when full
    real(wp), parameter :: NOTHING = 1.0e-6_wp   !! of a force or moment beside the other
 
-   !> A sink that keeps rows at wanted times, by straight lines between those it gets.
+   !> A sink that keeps rows at wanted times, by straight lines between those it gets; without
+   !> wanted times all it gets.
    !>
    !> Under the legacy formulation samples are cycles, and velocities stand half a step before them.
-   type, extends(sink_t) :: study_sink_t
-      real(wp), allocatable :: wanted(:)        !! times; not allocated: keep every row
-      type(history_t) :: history
-      real(wp), allocatable :: rows(:, :)       !! (n_value, >= n_row)
-      integer :: n_row = 0                      !! rows complete in channels at t
+   type, extends(sink_memory_t) :: study_sink_t
+      real(wp), allocatable :: wanted(:)        !! times
       integer :: n_half = 0                     !! rows complete in channels at t - dt/2
       real(wp), allocatable :: last(:)          !! the row before
       real(wp) :: t_last = 0.0_wp, half_last = 0.0_wp   !! its time, and that of its velocities
@@ -41,8 +38,6 @@ module kj_study_metric
    contains
       procedure :: open => open_study
       procedure :: put => put_study
-      procedure :: flush => flush_study
-      procedure :: close => close_study
    end type study_sink_t
 
 contains
@@ -53,17 +48,13 @@ contains
       type(history_t), intent(in) :: history
       type(error_t), allocatable, intent(out) :: error
 
-      if (allocated(error)) return
-      self%history = history
-      if (allocated(self%rows)) deallocate (self%rows)
+      call self%sink_memory_t%open(history, error)
+      if (allocated(self%wanted)) then
+         deallocate (self%rows)
+         allocate (self%rows(history%n_value, size(self%wanted)), source=0.0_wp)
+      end if
       if (allocated(self%last)) deallocate (self%last)
       allocate (self%last(history%n_value), source=0.0_wp)
-      if (allocated(self%wanted)) then
-         allocate (self%rows(history%n_value, size(self%wanted)), source=0.0_wp)
-      else
-         allocate (self%rows(history%n_value, FIRST_ROWS), source=0.0_wp)
-      end if
-      self%n_row = 0
       self%n_half = 0
       self%n_put = 0
       self%energy = 0.0_wp
@@ -79,41 +70,22 @@ contains
 
       real(wp) :: half
 
-      if (.not. allocated(self%last)) then
-         call fail(error, ERR_INTERNAL, 'a row came to a history that is not open')
-         return
-      end if
-      call note_worst(self, row)
       half = row(1)
       if (self%history%legacy .and. self%n_put > 0) half = 0.5_wp*(row(1) + self%t_last)
       if (allocated(self%wanted)) then
          call fill(self, row, row(1), self%t_last, .false., self%n_row)
          call fill(self, row, half, self%half_last, .true., self%n_half)
       else
-         call keep(self, row)
+         call self%sink_memory_t%put(row, error)
+         if (allocated(error)) return
+         self%n_half = self%n_row
       end if
+      call note_worst(self, row)
       self%last = row
       self%t_last = row(1)
       self%half_last = half
       self%n_put = self%n_put + 1
    end subroutine put_study
-
-   !> Keep a whole row
-   subroutine keep(self, row)
-      class(study_sink_t), intent(inout) :: self
-      real(wp), intent(in) :: row(:)
-
-      real(wp), allocatable :: longer(:, :)
-
-      if (self%n_row == size(self%rows, 2)) then
-         allocate (longer(size(row), 2*self%n_row))
-         longer(:, :self%n_row) = self%rows
-         call move_alloc(longer, self%rows)
-      end if
-      self%n_row = self%n_row + 1
-      self%n_half = self%n_row
-      self%rows(:, self%n_row) = row
-   end subroutine keep
 
    !> Fill the rows whose time lies between the last row and this one, in the channels of one level
    pure subroutine fill(self, row, t, t_last, half, n)
@@ -159,24 +131,6 @@ contains
          end associate
       end do
    end subroutine note_worst
-
-   !> Nothing to do
-   subroutine flush_study(self, error)
-      class(study_sink_t), intent(inout) :: self
-      type(error_t), allocatable, intent(out) :: error
-
-      if (allocated(error) .or. self%n_row == 0) return
-   end subroutine flush_study
-
-   !> Nothing to do: the outcome is known to the caller
-   subroutine close_study(self, status, cycles, exit_code, error)
-      class(study_sink_t), intent(inout) :: self
-      character(len=*), intent(in) :: status
-      integer, intent(in) :: cycles, exit_code
-      type(error_t), allocatable, intent(out) :: error
-
-      if (allocated(error) .or. len(status) + cycles + exit_code < 0) self%n_row = 0
-   end subroutine close_study
 
    !> Error of a run against a reference that kept every row, class by class: the largest root mean
    !> square over time of one entity's difference, over the peak of the class in the reference.

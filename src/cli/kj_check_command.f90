@@ -8,7 +8,8 @@ module kj_check_command
    use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_terminal, only: print_line, may_colour, STDERR
    use kj_render, only: print_findings, print_failure
-   use kj_json, only: json_member, json_text, json_real, json_findings
+   use kj_words, only: left, right, counted
+   use kj_json_writer, only: json_member, json_pair, json_real, json_reals, json_findings, comma
    use kj_check_limits, only: print_limits, limits_json
    use kj_run_command, only: default_engine, check_end, take_options, exit_code
    use kjoint, only: simulation_t, run_options_t, check_t, load_simulation, check_simulation, &
@@ -63,11 +64,12 @@ contains
       type(finding_list_t), intent(in) :: findings
 
       call print_line(trim(simulation_title(sim)))
-      call print_line('   '//amount(size(report%joint) - report%n_spring, 'joint')//', '// &
-         springs_text(report%n_spring)// &
-         amount(size(report%body_id), 'rigid bod')//', '//amount(report%n_node, 'node')//' ('// &
-         str(report%n_free)//' free), '//amount(report%n_curve, 'function')//', '// &
-         amount(report%n_load, 'load'))
+      call print_line('   '//counted(size(report%joint) - report%n_spring, 'joint', 'joints')// &
+         ', '//springs_text(report%n_spring)// &
+         counted(size(report%body_id), 'rigid body', 'rigid bodies')//', '// &
+         counted(report%n_node, 'node', 'nodes')//' ('// &
+         str(report%n_free)//' free), '//counted(report%n_curve, 'function', 'functions')//', '// &
+         counted(report%n_load, 'load', 'loads'))
       if (size(report%joint) > 0) call print_joints(report)
       if (size(report%body_id) > 0) call print_bodies(report)
       call print_line('')
@@ -89,8 +91,8 @@ contains
          call print_line('   exact       not computed: the scene is too large')
       end if
       call print_line('')
-      call print_line('findings: '//amount(findings%n_error, 'error')//', '// &
-         amount(findings%n_warning, 'warning'))
+      call print_line('findings: '//counted(findings%n_error, 'error', 'errors')//', '// &
+         counted(findings%n_warning, 'warning', 'warnings'))
    end subroutine print_report
 
    !> "3 springs, ", nothing where there is none
@@ -99,7 +101,7 @@ contains
       character(len=:), allocatable :: text
 
       text = ''
-      if (n > 0) text = amount(n, 'spring')//', '
+      if (n > 0) text = counted(n, 'spring', 'springs')//', '
    end function springs_text
 
    subroutine print_joints(report)
@@ -243,38 +245,6 @@ contains
       text = trim(adjustl(buffer))
    end function fixed
 
-   !> '1 joint', '2 joints', '1 rigid body', '2 rigid bodies'
-   pure function amount(n, what) result(text)
-      integer, intent(in) :: n
-      character(len=*), intent(in) :: what
-      character(len=:), allocatable :: text
-
-      text = str(n)//' '//what
-      if (what == 'rigid bod') then
-         if (n == 1) text = text//'y'
-         if (n /= 1) text = text//'ies'
-      else if (n /= 1) then
-         text = text//'s'
-      end if
-   end function amount
-
-   pure function right(text, n) result(field)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: n
-      character(len=max(n, len(text))) :: field
-
-      field = text
-      field = adjustr(field)
-   end function right
-
-   pure function left(text, n) result(field)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: n
-      character(len=max(n, len(text))) :: field
-
-      field = text
-   end function left
-
    subroutine print_json(sim, report, well, code, findings)
       type(simulation_t), intent(in) :: sim
       type(check_t), intent(in) :: report
@@ -284,57 +254,49 @@ contains
 
       integer :: i
 
-      call print_line('{'//json_member('exit_code', str(code)))
+      call print_line('{'//json_member('exit_code', code))
       if (well) then
-         call print_line(', '//json_member('title', json_text(trim(simulation_title(sim))))// &
-            ', '//json_member('nodes', str(report%n_node))// &
-            ', '//json_member('free_nodes', str(report%n_free))// &
-            ', '//json_member('functions', str(report%n_curve))// &
-            ', '//json_member('nodal_step', json_step(report%nodal_step))// &
-            ', '//json_member('safe_step', json_step(report%safe_step))// &
-            ', '//json_member('safe_joint', str(report%safe_joint))// &
-            ', '//json_member('island_steps', '['//steps_json(report%island_step)//']')// &
-            ', '//json_member('exact_step', json_step(report%exact_step))// &
-            ', '//json_member('factor', json_real(report%factor)))
+         call print_line(', '//json_member('title', trim(simulation_title(sim)))// &
+            ', '//json_member('nodes', report%n_node)// &
+            ', '//json_member('free_nodes', report%n_free)// &
+            ', '//json_member('functions', report%n_curve)// &
+            ', '//json_pair('nodal_step', json_step(report%nodal_step))// &
+            ', '//json_pair('safe_step', json_step(report%safe_step))// &
+            ', '//json_member('safe_joint', report%safe_joint)// &
+            ', '//json_pair('island_steps', '['//steps_json(report%island_step)//']')// &
+            ', '//json_pair('exact_step', json_step(report%exact_step))// &
+            ', '//json_member('factor', report%factor))
          call print_line(', "joints": [')
          do i = 1, size(report%joint)
-            call print_line(joint_json(report, i)//comma(i, size(report%joint)))
+            call print_line(joint_json(report, i)//trim(comma(i, size(report%joint))))
          end do
          call print_line('], "bodies": [')
          do i = 1, size(report%body_id)
-            call print_line(body_json(report, i)//comma(i, size(report%body_id)))
+            call print_line(body_json(report, i)//trim(comma(i, size(report%body_id))))
          end do
          call print_line(']')
       end if
-      call print_line(', '//json_member('findings', json_findings(findings))//'}')
+      call print_line(', '//json_pair('findings', json_findings(findings))//'}')
    end subroutine print_json
-
-   pure function comma(i, n) result(text)
-      integer, intent(in) :: i, n
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (i < n) text = ','
-   end function comma
 
    function joint_json(report, j) result(json)
       type(check_t), intent(in) :: report
       integer, intent(in) :: j
       character(len=:), allocatable :: json
 
-      json = '{'//json_member('id', str(report%joint(j)))// &
-         ', '//json_member('type', json_text(trim(type_text(report, j))))// &
-         ', '//json_member('property', str(report%property(j)))// &
-         ', '//json_member('nodes', '['//str(report%node(1, j))//', '// &
+      json = '{'//json_member('id', report%joint(j))// &
+         ', '//json_member('type', trim(type_text(report, j)))// &
+         ', '//json_member('property', report%property(j))// &
+         ', '//json_pair('nodes', '['//str(report%node(1, j))//', '// &
          str(report%node(2, j))//']')// &
-         ', '//json_member('bodies', '['//str(report%body(1, j))//', '// &
+         ', '//json_pair('bodies', '['//str(report%body(1, j))//', '// &
          str(report%body(2, j))//']')// &
-         ', '//json_member('frame', json_text(trim(frame_text(report%frame(j)))))// &
-         ', '//json_member('length', json_real(report%length(j)))// &
-         ', '//json_member('blocking_translation', json_real(report%blocking(1, j)))// &
-         ', '//json_member('blocking_rotation', json_real(report%blocking(2, j)))// &
-         ', '//json_member('damping_ratio', json_real(report%ratio(j)))// &
-         ', '//json_member('critical_step', json_step(report%step(j)))// &
+         ', '//json_member('frame', trim(frame_text(report%frame(j))))// &
+         ', '//json_member('length', report%length(j))// &
+         ', '//json_member('blocking_translation', report%blocking(1, j))// &
+         ', '//json_member('blocking_rotation', report%blocking(2, j))// &
+         ', '//json_member('damping_ratio', report%ratio(j))// &
+         ', '//json_pair('critical_step', json_step(report%step(j)))// &
          ', '//limits_json(report, j)//'}'
    end function joint_json
 
@@ -343,22 +305,15 @@ contains
       integer, intent(in) :: b
       character(len=:), allocatable :: json
 
-      json = '{'//json_member('id', str(report%body_id(b)))// &
-         ', '//json_member('mass', json_real(report%mass(b)))// &
-         ', '//json_member('inertia', json_reals(report%inertia(:, b)))// &
-         ', '//json_member('centre', json_reals(report%centre(:, b)))// &
-         ', '//json_member('secondary_nodes', str(report%n_secondary(b)))// &
-         ', '//json_member('joints', str(report%n_joint(b)))// &
-         ', '//json_member('held', json_text(held_text(report%held(:, b))))// &
-         ', '//json_member('driven', str(report%n_driven(b)))//'}'
+      json = '{'//json_member('id', report%body_id(b))// &
+         ', '//json_member('mass', report%mass(b))// &
+         ', '//json_pair('inertia', json_reals(report%inertia(:, b)))// &
+         ', '//json_pair('centre', json_reals(report%centre(:, b)))// &
+         ', '//json_member('secondary_nodes', report%n_secondary(b))// &
+         ', '//json_member('joints', report%n_joint(b))// &
+         ', '//json_member('held', held_text(report%held(:, b)))// &
+         ', '//json_member('driven', report%n_driven(b))//'}'
    end function body_json
-
-   function json_reals(value) result(json)
-      real(wp), intent(in) :: value(3)
-      character(len=:), allocatable :: json
-
-      json = '['//json_real(value(1))//', '//json_real(value(2))//', '//json_real(value(3))//']'
-   end function json_reals
 
    !> null where nothing limits the step
    function json_step(step) result(json)
@@ -378,8 +333,7 @@ contains
 
       json = ''
       do i = 1, size(steps)
-         if (i > 1) json = json//', '
-         json = json//json_step(steps(i))
+         json = json//json_step(steps(i))//comma(i, size(steps))
       end do
    end function steps_json
 

@@ -4,7 +4,8 @@ module kj_check_limits
    use kj_error, only: str
    use kj_joint_types, only: DOF_NAME
    use kj_terminal, only: print_line
-   use kj_json, only: json_member, json_text, json_real
+   use kj_words, only: left
+   use kj_json_writer, only: json_member, json_pair, json_real
    use kjoint, only: check_t, limit_row_t
    implicit none
    private
@@ -96,14 +97,6 @@ contains
       text = trim(adjustl(buffer))
    end function number
 
-   pure function left(text, n) result(field)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: n
-      character(len=max(n, len(text))) :: field
-
-      field = text
-   end function left
-
    !> Members of the JSON object of joint j: its limits and when it is locked; null: none, never
    function limits_json(report, j) result(json)
       type(check_t), intent(in) :: report
@@ -119,23 +112,23 @@ contains
          if (len(list) > 0) list = list//', '
          list = list//row_json(report%limit(i))
       end do
-      json = json_member('limits', '['//list//']')// &
-         ', '//json_member('locked_from', json_or_null(report%t_lock(j), huge(1.0_wp)))// &
-         ', '//json_member('locked_to', json_or_null(report%t_free(j), huge(1.0_wp)))
+      json = json_pair('limits', '['//list//']')// &
+         ', '//json_pair('locked_from', json_or_null(report%t_lock(j), huge(1.0_wp)))// &
+         ', '//json_pair('locked_to', json_or_null(report%t_free(j), huge(1.0_wp)))
    end function limits_json
 
    function row_json(row) result(json)
       type(limit_row_t), intent(in) :: row
       character(len=:), allocatable :: json
 
-      json = '{'//json_member('direction', json_text(trim(DOF_NAME(row%dof))))// &
-         ', '//json_member('lower_stop', json_or_null(row%lo, 0.0_wp))// &
-         ', '//json_member('upper_stop', json_or_null(row%hi, 0.0_wp))// &
-         ', '//json_member('combined', trim(merge('true ', 'false', row%combined)))// &
-         ', '//json_member('stop_stiffness', json_or_null(row%stop_k, 0.0_wp))// &
-         ', '//json_member('friction', json_or_null(row%slip, 0.0_wp))// &
-         ', '//json_member('friction_function', str(row%slip_curve))// &
-         ', '//json_member('friction_stiffness', json_or_null(row%slip_k, 0.0_wp))//'}'
+      json = '{'//json_member('direction', trim(DOF_NAME(row%dof)))// &
+         ', '//json_pair('lower_stop', json_or_null(row%lo, 0.0_wp))// &
+         ', '//json_pair('upper_stop', json_or_null(row%hi, 0.0_wp))// &
+         ', '//json_member('combined', row%combined)// &
+         ', '//json_pair('stop_stiffness', json_or_null(row%stop_k, 0.0_wp))// &
+         ', '//json_pair('friction', json_or_null(row%slip, 0.0_wp))// &
+         ', '//json_member('friction_function', row%slip_curve)// &
+         ', '//json_pair('friction_stiffness', json_or_null(row%slip_k, 0.0_wp))//'}'
    end function row_json
 
    !> null for the value that stands for none

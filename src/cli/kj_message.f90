@@ -1,24 +1,17 @@
 !> THE table of messages: every id a finding can have, what it means, why it comes, what to do.
-!> `kjoint help KJ-0387` prints a row. The rows stand in kj_message_*, by their origin.
+!> `kjoint help KJ-0387` prints a row. The rows stand in kj_message_*, by what they are about.
 module kj_message
-   use kj_message_row, only: message_t
-   use kj_message_starter1, only: starter1_messages
-   use kj_message_starter2, only: starter2_messages
-   use kj_message_starter3, only: starter3_messages
-   use kj_message_engine, only: engine_messages
-   use kj_message_own, only: own_messages
-   use kj_message_model, only: model_messages
+   use kj_message_text, only: message_t, text_messages
    use kj_message_scene, only: scene_messages
-   use kj_message_spring, only: spring_messages
+   use kj_message_joint, only: joint_messages
    implicit none
    private
 
    public :: message_t, find_message
 
-   !> All messages, ascending within each origin
-   type(message_t), parameter, public :: messages(*) = [starter1_messages, starter2_messages, &
-      starter3_messages, engine_messages, own_messages, model_messages, scene_messages, &
-      spring_messages]
+   !> All messages, ascending within each subject
+   type(message_t), parameter, public :: messages(*) = [text_messages, scene_messages, &
+      joint_messages]
 
 contains
 

@@ -3,6 +3,7 @@
 module kj_progress
    use kj_kinds, only: wp
    use kj_error, only: str
+   use kj_words, only: right
    use kj_system, only: wall_clock
    use kj_signal, only: caught_signal
    use kj_terminal, only: print_error, print_status
@@ -106,7 +107,7 @@ contains
       self%listed = passed
       write (buffer, '(i10,2es13.5,2es14.5,es11.3)') status%cycle, status%time, &
          status%time_step, status%internal, status%kinetic, status%work
-      call print_error(trim(buffer)//right(percent(status%energy_error), 9)//limiter(status))
+      call print_error(trim(buffer)//right(' '//percent(status%energy_error), 9)//limiter(status))
    end subroutine list
 
    !> "  (joint 900)": what limits the time step; empty when it is not known
@@ -178,13 +179,5 @@ contains
       end if
       text = trim(buffer)
    end function clock
-
-   pure function right(text, n) result(field)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: n
-      character(len=:), allocatable :: field
-
-      field = repeat(' ', max(1, n - len(text)))//text
-   end function right
 
 end module kj_progress

@@ -1,6 +1,7 @@
 !> Findings as people read them: severity, id, message, place, the card with carets, what to do.
 module kj_render
    use kj_error, only: error_t, finding_list_t, str, SEV_NOTE, SEV_WARNING, SEV_ERROR
+   use kj_words, only: right
    use kj_terminal, only: print_error, ESC
    implicit none
    private
@@ -77,7 +78,7 @@ contains
 
       text = head(finding, colours)
       number = '   '
-      if (finding%line > 0) number = adjusted(str(finding%line), 3)
+      if (finding%line > 0) number = right(str(finding%line), 3)
       margin = repeat(' ', len(number))
       if (allocated(finding%file)) text = text//NL//margin//'--> '//place(finding)
       if (allocated(finding%text) .and. finding%line > 0) then
@@ -177,14 +178,5 @@ contains
       painted = text
       if (colours) painted = ESC//'['//code//'m'//text//ESC//'[0m'
    end function paint
-
-   !> The text to the right of a field of at least n characters
-   pure function adjusted(text, n) result(field)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: n
-      character(len=:), allocatable :: field
-
-      field = repeat(' ', max(0, n - len(text)))//text
-   end function adjusted
 
 end module kj_render

@@ -10,7 +10,7 @@ module kj_run_command
    use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
-   use kj_json, only: json_member, json_text, json_real, json_findings
+   use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_progress, only: progress_t, start_progress, end_progress, limiter, percent, rate, &
       SHOW_NOTHING, SHOW_STATUS, SHOW_LISTING
    use kj_sink_h5, only: sink_h5_t
@@ -244,32 +244,32 @@ contains
          call add_finding(all_findings, outcome%status%warnings%item(i))
       end do
       if (allocated(error)) call add_finding(all_findings, error)
-      json = '{'//json_member('exit_code', str(outcome%code))
+      json = '{'//json_member('exit_code', outcome%code)
       if (allocated(outcome%verdict)) then
          associate (s => outcome%status)
-            json = json//', '//json_member('status', json_text(outcome%verdict))// &
-               ', '//json_member('title', json_text(outcome%title))// &
-               ', '//json_member('history', json_text(outcome%history))// &
-               ', '//json_member('cycles', str(s%cycle))// &
-               ', '//json_member('joint_cycles', json_real(s%joint_cycles))// &
-               ', '//json_member('islands', str(s%n_island))// &
-               ', '//json_member('island_groups', str(s%n_part))// &
-               ', '//json_member('time', json_real(s%time))// &
-               ', '//json_member('t_stop', json_real(s%t_stop))// &
-               ', '//json_member('time_step', json_real(s%time_step))// &
-               ', '//json_member('time_step_owner_kind', json_text(trim(s%owner_kind)))// &
-               ', '//json_member('time_step_owner', str(s%owner))// &
-               ', '//json_member('energy_error', json_real(s%energy_error))// &
-               ', '//json_member('samples', str(s%n_sample))// &
-               ', '//json_member('joints', str(s%n_joint))// &
-               ', '//json_member('bodies', str(s%n_body))// &
-               ', '//json_member('nodes', str(s%n_node))// &
-               ', '//json_member('wall_time', json_real(outcome%elapsed))// &
-               ', '//json_member('wall_solve', json_real(s%wall_solve))// &
-               ', '//json_member('wall_output', json_real(s%wall_output))
+            json = json//', '//json_member('status', outcome%verdict)// &
+               ', '//json_member('title', outcome%title)// &
+               ', '//json_member('history', outcome%history)// &
+               ', '//json_member('cycles', s%cycle)// &
+               ', '//json_member('joint_cycles', s%joint_cycles)// &
+               ', '//json_member('islands', s%n_island)// &
+               ', '//json_member('island_groups', s%n_part)// &
+               ', '//json_member('time', s%time)// &
+               ', '//json_member('t_stop', s%t_stop)// &
+               ', '//json_member('time_step', s%time_step)// &
+               ', '//json_member('time_step_owner_kind', trim(s%owner_kind))// &
+               ', '//json_member('time_step_owner', s%owner)// &
+               ', '//json_member('energy_error', s%energy_error)// &
+               ', '//json_member('samples', s%n_sample)// &
+               ', '//json_member('joints', s%n_joint)// &
+               ', '//json_member('bodies', s%n_body)// &
+               ', '//json_member('nodes', s%n_node)// &
+               ', '//json_member('wall_time', outcome%elapsed)// &
+               ', '//json_member('wall_solve', s%wall_solve)// &
+               ', '//json_member('wall_output', s%wall_output)
          end associate
       end if
-      call print_line(json//', '//json_member('findings', json_findings(all_findings))//'}')
+      call print_line(json//', '//json_pair('findings', json_findings(all_findings))//'}')
    end subroutine print_json
 
 end module kj_run_command

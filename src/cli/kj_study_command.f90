@@ -9,7 +9,7 @@ module kj_study_command
    use kj_terminal, only: print_line, print_error, may_colour, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
-   use kj_json, only: json_member, json_findings
+   use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_run_command, only: default_engine, check_end, exit_code
    use kj_study, only: study_options_t, study_t, trial_t, watcher_t, run_study
    use kj_study_report, only: print_study, study_json, study_csv, trial_name
@@ -88,8 +88,8 @@ contains
       if (caught_signal() > 0) code = 128 + caught_signal()
       if (args%given(OPT_JSON)) then
          if (allocated(error)) call add_finding(findings, error)
-         if (.not. well) json = '{'//json_member('exit_code', str(code))//', '// &
-            json_member('findings', json_findings(findings))//'}'
+         if (.not. well) json = '{'//json_member('exit_code', code)//', '// &
+            json_pair('findings', json_findings(findings))//'}'
          call print_line(json)
          return
       end if

@@ -4,7 +4,8 @@ module kj_study_report
    use kj_error, only: str
    use kj_study, only: study_t, trial_t, best_trial, order_of
    use kj_study_metric, only: CLASSES, N_CLASS
-   use kj_json, only: json_member, json_text, json_real
+   use kj_words, only: counted
+   use kj_json_writer, only: json_member, json_pair
    use kj_terminal, only: print_line
    implicit none
    private
@@ -27,8 +28,8 @@ contains
       integer :: i
 
       call print_line(study%title)
-      call print_line('   '//amount(study%n_joint, 'joint', 's')//', '// &
-         amount(study%n_body, 'rigid bod', 'ies'))
+      call print_line('   '//counted(study%n_joint, 'joint', 'joints')//', '// &
+         counted(study%n_body, 'rigid body', 'rigid bodies'))
       call print_line('')
       call print_line(repeat(' ', 43)// &
          'ns per  ---- error over the peak of the motion, root mean square -----   energy')
@@ -75,20 +76,6 @@ contains
             t%score <= t(i)%score)
       end associate
    end function is_unbeaten
-
-   !> '1 joint', '2 joints'; '1 rigid body', '2 rigid bodies'
-   pure function amount(n, what, plural) result(text)
-      integer, intent(in) :: n
-      character(len=*), intent(in) :: what, plural
-      character(len=:), allocatable :: text
-
-      text = str(n)//' '//what
-      if (n /= 1) then
-         text = text//plural
-      else if (plural == 'ies') then
-         text = text//'y'
-      end if
-   end function amount
 
    !> The one recommendation
    function advice(study, deck, wanted) result(text)
@@ -224,12 +211,10 @@ contains
       character(len=1), parameter :: EOL = new_line('a')
       integer :: i, best
 
-      json = '{'//json_member('deck', json_text(deck))//', '//json_member('title', &
-         json_text(study%title))// &
-         ', '//json_member('joints', str(study%n_joint))//', '//json_member('bodies', &
-            str(study%n_body))// &
-         ', '//json_member('floor', json_real(study%floor))//','//EOL// &
-         json_member('reference', trial_json(study%reference, .false.))//','//EOL//'"settings": ['
+      json = '{'//json_member('deck', deck)//', '//json_member('title', study%title)// &
+         ', '//json_member('joints', study%n_joint)//', '//json_member('bodies', study%n_body)// &
+         ', '//json_member('floor', study%floor)//','//EOL// &
+         json_pair('reference', trial_json(study%reference, .false.))//','//EOL//'"settings": ['
       do i = 1, size(study%trial)
          if (i > 1) json = json//','
          json = json//EOL//trial_json(study%trial(i), is_unbeaten(study, i))
@@ -237,12 +222,12 @@ contains
       json = json//'],'//EOL//'"orders": {'
       do i = 1, size(SCHEMES)
          if (i > 1) json = json//', '
-         json = json//json_member(trim(SCHEMES(i)), json_real(order_of(study, trim(SCHEMES(i)))))
+         json = json//json_member(trim(SCHEMES(i)), order_of(study, trim(SCHEMES(i))))
       end do
       best = best_trial(study, wanted)
-      json = json//'},'//EOL//json_member('wanted_error', json_real(wanted))//', '// &
-         json_member('recommended', str(best))//', '// &
-         json_member('recommendation', json_text(advice(study, deck, wanted)))//'}'
+      json = json//'},'//EOL//json_member('wanted_error', wanted)//', '// &
+         json_member('recommended', best)//', '// &
+         json_member('recommendation', advice(study, deck, wanted))//'}'
    end function study_json
 
    function trial_json(t, unbeaten) result(json)
@@ -252,27 +237,26 @@ contains
 
       integer :: i
 
-      json = '{'//json_member('name', json_text(trial_name(t)))//', '// &
-         json_member('formulation', json_text(trim(t%options%formulation)))//', '// &
-         json_member('integrator', json_text(trim(t%options%integrator)))//', '// &
-         json_member('dt_scale', json_real(t%options%dt_scale))//', '// &
-         json_member('kn_scale', json_real(t%options%kn_scale))//', '// &
-         json_member('good', trim(merge('true ', 'false', t%good)))
-      if (allocated(t%message)) json = json//', '//json_member('message', json_text(t%message))
+      json = '{'//json_member('name', trial_name(t))//', '// &
+         json_member('formulation', trim(t%options%formulation))//', '// &
+         json_member('integrator', trim(t%options%integrator))//', '// &
+         json_member('dt_scale', t%options%dt_scale)//', '// &
+         json_member('kn_scale', t%options%kn_scale)//', '// &
+         json_member('good', t%good)
+      if (allocated(t%message)) json = json//', '//json_member('message', t%message)
       if (t%good) then
-         json = json//', '//json_member('cycles', str(t%cycles))//', '//json_member('step', &
-            json_real(t%step))// &
-            ', '//json_member('cpu_s', json_real(t%time))//', '// &
-            json_member('ns_per_joint_cycle', json_real(1.0e9_wp*t%per_cycle))//', '// &
-            json_member('error', json_real(t%score))
+         json = json//', '//json_member('cycles', t%cycles)//', '//json_member('step', t%step)// &
+            ', '//json_member('cpu_s', t%time)//', '// &
+            json_member('ns_per_joint_cycle', 1.0e9_wp*t%per_cycle)//', '// &
+            json_member('error', t%score)
          do i = 1, N_CLASS
-            json = json//', '//json_member('error_'//trim(CLASSES(i)), json_real(t%error(i)))
+            json = json//', '//json_member('error_'//trim(CLASSES(i)), t%error(i))
          end do
-         json = json//', '//json_member('energy_error', json_real(t%energy))//', '// &
-            json_member('violation_trans', json_real(t%gap))//', '// &
-            json_member('violation_rot', json_real(t%gap_rot))//', '// &
-            json_member('order', json_real(t%order))//', '// &
-            json_member('unbeaten', trim(merge('true ', 'false', unbeaten)))
+         json = json//', '//json_member('energy_error', t%energy)//', '// &
+            json_member('violation_trans', t%gap)//', '// &
+            json_member('violation_rot', t%gap_rot)//', '// &
+            json_member('order', t%order)//', '// &
+            json_member('unbeaten', unbeaten)
       end if
       json = json//'}'
    end function trial_json

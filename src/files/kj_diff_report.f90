@@ -7,8 +7,9 @@ module kj_diff_report
    use kj_channels, only: channels, CH_TIME
    use kj_metrics, only: metrics
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
-   use kj_diff_words, only: buffer_t, add, short, short_time, number, boolean, comma, quoted, &
-      text_array, escaped
+   use kj_words, only: buffer_t, add, short, short_time, escaped
+   use kj_json_writer, only: json_member, json_pair, json_text, json_reals, comma
+   use kj_history, only: text_t
    implicit none
    private
 
@@ -197,27 +198,30 @@ contains
       type(buffer_t) :: b
       integer :: i
 
-      call add(b, '{"verdict": "'//trim(merge('SAME     ', 'DIFFERENT', result%code == 0))// &
-         '", "summary": '//quoted(verdict(result))//','//NL)
-      call add(b, ' "ref": '//quoted(result%ref_path)//', "run": '//quoted(result%run_path))
-      call add(b, ','//NL)
-      call add(b, ' "profile": '//quoted(trim(result%profile%name))//', "rtol": '// &
-         number(result%profile%rtol)//', "bitwise": '//boolean(result%profile%bitwise)//','//NL)
-      call add(b, ' "samples_ref": '//str(result%n_ref)//', "samples_run": '//str(result%n_run)// &
-         ', "samples_compared": '//str(result%n_sample)//','//NL)
-      call add(b, ' "samples_ref_alone": '//str(result%n_ref_alone)// &
-         ', "samples_run_alone": '//str(result%n_run_alone)//','//NL)
-      call add(b, ' "channels": '//str(result%n_channel)//', "different": '// &
-         str(result%n_different)//','//NL)
+      call add(b, '{'//json_member('verdict', trim(merge('SAME     ', 'DIFFERENT', &
+         result%code == 0)))//', '//json_member('summary', verdict(result))//','//NL)
+      call add(b, ' '//json_member('ref', result%ref_path)//', '// &
+         json_member('run', result%run_path)//','//NL)
+      call add(b, ' '//json_member('profile', trim(result%profile%name))//', '// &
+         json_member('rtol', result%profile%rtol)//', '// &
+         json_member('bitwise', result%profile%bitwise)//','//NL)
+      call add(b, ' '//json_member('samples_ref', result%n_ref)//', '// &
+         json_member('samples_run', result%n_run)//', '// &
+         json_member('samples_compared', result%n_sample)//','//NL)
+      call add(b, ' '//json_member('samples_ref_alone', result%n_ref_alone)//', '// &
+         json_member('samples_run_alone', result%n_run_alone)//','//NL)
+      call add(b, ' '//json_member('channels', result%n_channel)//', '// &
+         json_member('different', result%n_different)//','//NL)
       call add(b, ' "classes": ['//NL)
       do i = 1, size(result%class)
-         call add(b, '  {"name": '//quoted(trim(result%class(i)%name))//', "channels": '// &
-            str(result%class(i)%n_channel)//', "different": '//str(result%class(i)%n_different)// &
+         call add(b, '  {'//json_member('name', trim(result%class(i)%name))//', '// &
+            json_member('channels', result%class(i)%n_channel)//', '// &
+            json_member('different', result%class(i)%n_different)// &
             '}'//comma(i, size(result%class))//NL)
       end do
       call add(b, ' ],'//NL//' "worst": [')
       do i = 1, result%n_worst
-         call add(b, quoted(result%channel(result%worst(i))%name)//comma(i, result%n_worst))
+         call add(b, json_text(result%channel(result%worst(i))%name)//comma(i, result%n_worst))
       end do
       call add(b, '],'//NL//' "channel": ['//NL)
       do i = 1, size(result%channel)
@@ -229,28 +233,41 @@ contains
       text = b%s(:b%n)
    end subroutine diff_json
 
+   !> A list of texts
+   function text_array(list) result(json)
+      type(text_t), intent(in) :: list(:)
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = '['
+      do i = 1, size(list)
+         json = json//json_text(list(i)%s)//comma(i, size(list))
+      end do
+      json = json//']'
+   end function text_array
+
    subroutine add_channel_object(channel, b)
       type(channel_result_t), intent(in) :: channel
       type(buffer_t), intent(inout) :: b
 
-      integer :: j, k
+      integer :: k
 
-      call add(b, '  {"name": '//quoted(channel%name)//', "class": '// &
-         quoted(trim(channels(channel%channel)%class))//', "compared": '// &
-         boolean(channel%counted)//', "different": '//boolean(channel%different)// &
-         ', "missing": '//boolean(channel%run_at == 0))
-      call add(b, ', "peak": '//number(channel%peak)//', "difference": '// &
-         number(channel%difference)//', "tolerance": '//number(channel%allowed)// &
-         ', "time": '//number(channel%time)//', "component": '//str(channel%comp)// &
-         ', "beyond": '//str(channel%n_beyond))
+      call add(b, '  {'//json_member('name', channel%name)//', '// &
+         json_member('class', trim(channels(channel%channel)%class))//', '// &
+         json_member('compared', channel%counted)//', '// &
+         json_member('different', channel%different)//', '// &
+         json_member('missing', channel%run_at == 0)//', '// &
+         json_member('peak', channel%peak)//', '// &
+         json_member('difference', channel%difference)//', '// &
+         json_member('tolerance', channel%allowed)//', '// &
+         json_member('time', channel%time)//', '//json_member('component', channel%comp)//', '// &
+         json_member('beyond', channel%n_beyond))
       if (allocated(channel%metric)) then
          call add(b, ', "metrics": {')
          do k = 1, size(metrics)
-            call add(b, quoted(trim(metrics(k)%column))//': [')
-            do j = 1, channel%n_comp
-               call add(b, number(channel%metric(k, j))//comma(j, channel%n_comp))
-            end do
-            call add(b, ']'//comma(k, size(metrics)))
+            call add(b, json_pair(trim(metrics(k)%column), &
+               json_reals(channel%metric(k, :channel%n_comp)))//comma(k, size(metrics)))
          end do
          call add(b, '}')
       end if

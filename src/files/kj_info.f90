@@ -2,6 +2,7 @@
 module kj_info
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
+   use kj_words, only: counted
    use kj_units, only: unit_text, D_TIME
    use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
       CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, CH_FINAL
@@ -292,16 +293,6 @@ contains
       if (len(first) > 0) text = text//link
       text = text//second
    end function joined
-
-   !> A number and what it counts
-   pure function counted(n, one, many) result(text)
-      integer, intent(in) :: n
-      character(len=*), intent(in) :: one, many
-      character(len=:), allocatable :: text
-
-      text = str(n)//' '//many
-      if (n == 1) text = '1 '//one
-   end function counted
 
    !> A real with six digits in the form people read: plain when that is short, else with exponent
    pure function number(value) result(text)

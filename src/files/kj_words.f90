@@ -1,14 +1,13 @@
-!> Pieces of text for the reports of a comparison: a text that grows, short numbers, JSON and XML.
-module kj_diff_words
+!> Pieces of text for reports: a text that grows, columns, short numbers, counts, XML.
+module kj_words
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
    use kj_error, only: str
    use kj_utf8, only: as_utf8
-   use kj_history, only: text_t
    implicit none
    private
 
-   public :: buffer_t, add, short, short_time, number, boolean, comma, quoted, text_array, escaped
+   public :: buffer_t, add, left, right, counted, short, short_time, escaped
 
    !> Text that grows: doubled when it is full
    type :: buffer_t
@@ -34,6 +33,34 @@ contains
       b%s(b%n + 1:b%n + len(text)) = text
       b%n = b%n + len(text)
    end subroutine add
+
+   !> Text at the left of a column; not cut when it is longer
+   pure function left(text, n) result(field)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: n
+      character(len=max(n, len(text))) :: field
+
+      field = text
+   end function left
+
+   !> Text at the right of a column
+   pure function right(text, n) result(field)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: n
+      character(len=max(n, len(text))) :: field
+
+      field = repeat(' ', len(field) - len(text))//text
+   end function right
+
+   !> A number and what it counts: '1 rigid body', '2 rigid bodies'
+   pure function counted(n, one, many) result(text)
+      integer, intent(in) :: n
+      character(len=*), intent(in) :: one, many
+      character(len=:), allocatable :: text
+
+      text = str(n)//' '//many
+      if (n == 1) text = '1 '//one
+   end function counted
 
    !> A positive number with a few digits: 2.3e-3, 0
    function short(value, digits) result(text)
@@ -79,73 +106,6 @@ contains
       if (text(len(text):) == '.') text = text(:len(text) - 1)
    end function short_time
 
-   !> true or false, of JSON
-   pure function boolean(value) result(text)
-      logical, intent(in) :: value
-      character(len=:), allocatable :: text
-
-      text = 'false'
-      if (value) text = 'true'
-   end function boolean
-
-   !> A comma after all but the last of n
-   pure function comma(i, n) result(text)
-      integer, intent(in) :: i, n
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (i < n) text = ', '
-   end function comma
-
-   !> A number of JSON, null when it is not finite
-   function number(value) result(text)
-      real(wp), intent(in) :: value
-      character(len=:), allocatable :: text
-
-      character(len=24) :: buffer
-
-      text = 'null'
-      if (.not. ieee_is_finite(value)) return
-      write (buffer, '(es24.16e3)') value
-      text = trim(adjustl(buffer))
-   end function number
-
-   !> A string of JSON
-   function quoted(text) result(json)
-      character(len=*), intent(in) :: text
-      character(len=:), allocatable :: json, clean
-
-      character(len=6) :: code
-      integer :: i
-
-      clean = as_utf8(text)
-      json = '"'
-      do i = 1, len(clean)
-         if (iachar(clean(i:i)) < 32) then
-            write (code, '(a,z4.4)') '\u', iachar(clean(i:i))
-            json = json//code
-         else
-            if (scan(clean(i:i), '"\') > 0) json = json//'\'
-            json = json//clean(i:i)
-         end if
-      end do
-      json = json//'"'
-   end function quoted
-
-   !> An array of strings of JSON
-   function text_array(list) result(json)
-      type(text_t), intent(in) :: list(:)
-      character(len=:), allocatable :: json
-
-      integer :: i
-
-      json = '['
-      do i = 1, size(list)
-         json = json//quoted(list(i)%s)//comma(i, size(list))
-      end do
-      json = json//']'
-   end function text_array
-
    !> Text inside an attribute of XML
    function escaped(text) result(xml)
       character(len=*), intent(in) :: text
@@ -171,4 +131,4 @@ contains
       end do
    end function escaped
 
-end module kj_diff_words
+end module kj_words

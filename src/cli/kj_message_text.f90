@@ -1,0 +1,158 @@
+!> Messages on the text of a deck: files, cards, numbers, units, keywords, requests, engine deck.
+module kj_message_text
+   use kj_error, only: SEV_ERROR, SEV_NOTE, SEV_WARNING
+   implicit none
+   private
+
+   public :: message_t
+
+   !> A message explained
+   type :: message_t
+      character(len=7)   :: id         !! KJ-nnnn, KJ-Ennn: of OpenRadioss; KJ-9nnn: ours
+      integer            :: severity   !! SEV_ constant, the usual one
+      character(len=72)  :: title      !! what is wrong, in general
+      character(len=240) :: cause      !! why
+      character(len=160) :: cure       !! what to do
+   end type message_t
+
+   type(message_t), parameter, public :: text_messages(*) = [ &
+   message_t('KJ-0069', SEV_ERROR, 'an element of a history does not exist', &
+      'A /TH/SPRING asks for an element that no /SPRING defines, or for the id 0.', &
+      'Correct the id or remove the card.'), &
+   message_t('KJ-0079', SEV_ERROR, 'an id is used twice', 'Two blocks or cards of one family have the same id.', &
+      'Give one of them another id.'), &
+   message_t('KJ-0257', SEV_WARNING, 'a rigid body of a history does not exist', &
+      'A /TH/RBODY asks for a body that no /RBODY defines; it is left out.', 'Correct the id.'), &
+   message_t('KJ-0260', SEV_ERROR, 'a variable of a history does not exist', &
+      'A name in a /TH block is not one of its kind of object, is in lower case, or shares '// &
+      'its field with another name.', &
+      'Write one name in each field of ten columns, in upper case; DEF is the usual set.'), &
+   message_t('KJ-0551', SEV_ERROR, 'ALL is obsolete', 'The name ALL in a /TH block no longer exists.', &
+      'Write DEF, or the names.'), &
+   message_t('KJ-0553', SEV_WARNING, 'a part is in two requests', 'A part is asked for in two /TH/PART blocks.', &
+      'Remove it from one.'), &
+   message_t('KJ-0573', SEV_ERROR, 'a unit is not understood', &
+      'A unit of /BEGIN or /UNIT is a prefix and g, m or s, or the SI value of the unit, '// &
+      '1e-30 to 1e30. A deck without /BEGIN has no units.', 'For example kg, m, s or Mg, mm, s.'), &
+   message_t('KJ-0574', SEV_ERROR, 'the deck has no units', 'Both triples of /BEGIN are blank.', &
+      'Write the units of mass, length and time, for example kg, m, s.'), &
+   message_t('KJ-0659', SEV_ERROR, 'the unit system does not exist', &
+      'The last number of a header is the id of a /UNIT, and there is none.', &
+      'Define /UNIT with this id, or remove the number.'), &
+   message_t('KJ-0754', SEV_NOTE, 'input units and work units differ', &
+      'The cards are converted from the input units to the work units; results are in work '// &
+      'units.', 'Nothing, if this is meant.'), &
+   message_t('KJ-0760', SEV_ERROR, 'the reader of Radioss stops here', &
+      'OpenRadioss ends with a trap at this place, without a reason.', 'See the finding.'), &
+   message_t('KJ-0774', SEV_WARNING, 'rotational displacements are not kept', &
+      'DRX, DRY and DRZ are zero in Radioss unless Irot is set in /IOFLAG.', 'Set Irot to 1.'), &
+   message_t('KJ-1109', SEV_ERROR, 'the request has no variable', 'No name in a /TH block exists.', &
+      'Write DEF, or names of variables.'), &
+   message_t('KJ-1610', SEV_WARNING, 'a part of a history does not exist', 'A /TH/PART asks for a part that no /PART defines.', &
+      'Correct the id.'), &
+   message_t('KJ-2000', SEV_ERROR, 'the reader asked to stop', 'The reader of the deck found something it cannot go on with.', &
+      'See the other findings.'), &
+   message_t('KJ-2046', SEV_ERROR, 'the keyword needs a newer format', 'The format version of /BEGIN is older than this keyword.', &
+      'Raise the version in /BEGIN and check the layouts.'), &
+   message_t('KJ-9001', SEV_ERROR, 'not a real number', &
+      'The field has characters that do not belong to a number. Radioss would take the digits '// &
+      'before them, or 0, and say nothing.', &
+      'Correct the number; a letter O for a zero and columns that slipped by one are the '// &
+      'usual causes.'), &
+   message_t('KJ-9002', SEV_ERROR, 'not an integer', &
+      'The field has characters that do not belong to an integer. Radioss would take the '// &
+      'digits before them, or 0, and say nothing.', &
+      'Correct the number; look whether the card slipped by a column.'), &
+   message_t('KJ-9003', SEV_ERROR, 'blanks inside a number', 'Radioss reads up to the first blank: 1 000 would be 1.', &
+      'Remove the blanks, or move the second number into its own field.'), &
+   message_t('KJ-9004', SEV_ERROR, 'a fraction in an integer', 'Radioss would cut 1.7 to 1.', &
+      'Write an integer; look whether the card slipped by a field.'), &
+   message_t('KJ-9005', SEV_ERROR, 'not a finite number', &
+      'The number is infinite, not a number, or too large for a real in work units.', &
+      'Correct the number.'), &
+   message_t('KJ-9006', SEV_ERROR, 'an integer is too large', 'Integers end at 2147483647.', 'Use smaller ids.'), &
+   message_t('KJ-9007', SEV_WARNING, 'a tab in a card', &
+      'A tab counts as one column, so the fields may not be where they seem to be.', &
+      'Replace tabs by blanks.'), &
+   message_t('KJ-9008', SEV_ERROR, 'a tab moves a number over the border of its field', &
+      'A tab counts as one column: the number stands in two fields.', 'Replace tabs by blanks.'), &
+   message_t('KJ-9009', SEV_WARNING, 'text after the last field', &
+      'Radioss ignores it. A number there may be meant for a field further left.', &
+      'Remove it or put it into a comment line.'), &
+   message_t('KJ-9010', SEV_WARNING, 'text between two fields', &
+      'The columns belong to no field and are ignored. The layout may depend on the format '// &
+      'version of /BEGIN.', 'Check the columns of the card.'), &
+   message_t('KJ-9011', SEV_WARNING, 'too many cards', 'The block has more cards than its keyword; Radioss ignores the rest.', &
+      'Remove them; look whether a header is missing.'), &
+   message_t('KJ-9013', SEV_WARNING, 'an integer written as a real number', '1.0 is read as 1.', 'Write 1.'), &
+   message_t('KJ-9014', SEV_WARNING, 'a blank line is a card', 'A blank line is not skipped: all its fields are 0 or blank.', &
+      'Remove the line.'), &
+   message_t('KJ-9015', SEV_ERROR, 'parameters are not supported', 'A field with & names a parameter of /PARAMETER.', &
+      'Write the number.'), &
+   message_t('KJ-9016', SEV_WARNING, 'the title seems to be a card', &
+      'The line after the header is always the title. Without a title the first card is taken '// &
+      'for it.', 'Put a title line after the header.'), &
+   message_t('KJ-9020', SEV_ERROR, 'not a keyword', &
+      'Radioss ignores a block with an unknown keyword and says nothing; kjoint does not.', &
+      'Correct the keyword, or run with --ignore-unsupported.'), &
+   message_t('KJ-9021', SEV_ERROR, 'a keyword in lower case', &
+      'Radioss ignores a block whose keyword is not in upper case and says nothing.', &
+      'Write it in upper case.'), &
+   message_t('KJ-9022', SEV_ERROR, 'not supported', 'The keyword or option would change the result, and kjoint does not have it.', &
+      'Remove it, or run with --ignore-unsupported and expect another result than Radioss.'), &
+   message_t('KJ-9023', SEV_NOTE, 'no effect here', 'The keyword steers the output or the numerics of other solvers.', &
+      'Nothing.'), &
+   message_t('KJ-9024', SEV_ERROR, 'blanks before a header', 'A header begins in column 1; Radioss stops at one that does not.', &
+      'Remove the blanks.'), &
+   message_t('KJ-9025', SEV_ERROR, 'a card without a header', &
+      'The line belongs to no block: it stands before the first header, or after an #include.', &
+      'Put a header before it. An included file must hold whole blocks.'), &
+   message_t('KJ-9026', SEV_WARNING, 'text after a header', &
+      'Text after the numbers of a header, or numbers where none are due, mean nothing.', &
+      'Put it into a comment line.'), &
+   message_t('KJ-9027', SEV_ERROR, 'cards of eight columns a field', &
+      'Format versions up to 44 have other layouts, which are not supported.', &
+      'Convert the deck; if its fields have ten columns, write 2026 as the version.'), &
+   message_t('KJ-9029', SEV_WARNING, 'an unknown format version', 'Radioss reads it as the newest version; so does kjoint.', &
+      'Write a version that exists, such as 2026.'), &
+   message_t('KJ-9030', SEV_ERROR, 'a file cannot be read', 'The file does not exist, may not be read, or is a folder.', &
+      'Check the path.'), &
+   message_t('KJ-9031', SEV_ERROR, 'an included file cannot be read', &
+      'The path of an #include is relative to the folder of the deck.', 'Check the path.'), &
+   message_t('KJ-9033', SEV_ERROR, 'a file includes itself', 'Directly or through other files.', &
+      'Remove one of the #include lines.'), &
+   message_t('KJ-9034', SEV_WARNING, '/END in an included file', &
+      'It ends the included file; the deck goes on after the #include.', 'Remove it.'), &
+   message_t('KJ-9036', SEV_WARNING, 'a header without its number', &
+      'A missing id is 1, as in Radioss; /ADMAS needs a type and an id.', &
+      'Write the id after the keyword.'), &
+   message_t('KJ-9038', SEV_ERROR, 'a second /BEGIN', 'The deck has two of them; the first one holds.', 'Remove one.'), &
+   message_t('KJ-9040', SEV_WARNING, 'an engine keyword stands twice', 'As in Radioss, the first one holds.', 'Remove one.'), &
+   message_t('KJ-9041', SEV_WARNING, 'limits of /STOP and /KILL do not act', 'kjoint has a limit of the energy error of its own.', &
+      'Use --energy-limit.'), &
+   message_t('KJ-9153', SEV_ERROR, 'histories relative to a frame', &
+      'A /TH/NODE may name a skew for its components; frames are not supported.', &
+      'Name a skew, or 0.'), &
+   message_t('KJ-9156', SEV_WARNING, 'histories of parts', '/TH/PART is read and checked, but nothing is written for it.', &
+      'See the histories of joints and bodies.'), &
+   message_t('KJ-E073', SEV_ERROR, 'a keyword lacks values', &
+      'The line after the keyword has fewer numbers than it needs, or is missing.', &
+      'Write the values on the next line, between blanks or commas.'), &
+   message_t('KJ-E189', SEV_ERROR, 'not an engine keyword', &
+      'Only the first five characters of a word count, in upper case; Radioss stops at all '// &
+      'others.', 'Correct the keyword.'), &
+   message_t('KJ-E194', SEV_ERROR, 'the engine deck has no /RUN', 'Without /RUN there is no end of the run.', &
+      'Write /RUN/name/1 and on the next line the end time.'), &
+   message_t('KJ-E195', SEV_ERROR, 'the run number is not positive', 'The last number of /RUN must be 1 or more.', &
+      'Write /RUN/name/1.'), &
+   message_t('KJ-E196', SEV_ERROR, 'the version of the engine deck is too old', '/VERS must be 18 or more.', &
+      'Write the version, for example /VERS/2022.'), &
+   message_t('KJ-E198', SEV_ERROR, 'the version of the history file does not exist', '/TH/VERS must be 40 or more.', &
+      'Remove the keyword: kjoint does not need it.'), &
+   message_t('KJ-E246', SEV_ERROR, 'no such kind of nodal time step', '/DT/NODA/DEL and /DT/NODE do not exist.', &
+      'Use /DT/NODA, /DT/NODA/CST or /DT/NODA/STOP.'), &
+   message_t('KJ-E316', SEV_ERROR, 'the first time step is larger than the largest', &
+      '/DTIX has the first and the largest time step, in this order.', &
+      'Exchange them, or write 0 for a largest step without limit.')]
+
+end module kj_message_text

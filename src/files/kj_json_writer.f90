@@ -1,0 +1,162 @@
+!> JSON text (RFC 8259).
+module kj_json_writer
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, finding_list_t, str, SEV_NOTE, SEV_ERROR
+   use kj_utf8, only: as_utf8
+   implicit none
+   private
+
+   public :: json_member, json_pair, json_text, json_real, json_reals, json_findings, comma
+
+   character(len=7), parameter :: SEVERITY(3) = ['note   ', 'warning', 'error  ']
+
+   !> "name": value, of a text, a number or a truth
+   interface json_member
+      procedure :: text_member, real_member, integer_member, logical_member
+   end interface json_member
+
+contains
+
+   pure function text_member(name, value) result(json)
+      character(len=*), intent(in) :: name, value
+      character(len=:), allocatable :: json
+
+      json = json_pair(name, json_text(value))
+   end function text_member
+
+   pure function real_member(name, value) result(json)
+      character(len=*), intent(in) :: name
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: json
+
+      json = json_pair(name, json_real(value))
+   end function real_member
+
+   pure function integer_member(name, value) result(json)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: value
+      character(len=:), allocatable :: json
+
+      json = json_pair(name, str(value))
+   end function integer_member
+
+   pure function logical_member(name, value) result(json)
+      character(len=*), intent(in) :: name
+      logical, intent(in) :: value
+      character(len=:), allocatable :: json
+
+      json = json_pair(name, json_logical(value))
+   end function logical_member
+
+   !> "name": value, where the value is JSON already
+   pure function json_pair(name, value) result(json)
+      character(len=*), intent(in) :: name, value
+      character(len=:), allocatable :: json
+
+      json = '"'//name//'": '//value
+   end function json_pair
+
+   !> A text in quotes, with what must be escaped; what is not UTF-8 is read as Latin-1
+   pure function json_text(text) result(json)
+      character(len=*), intent(in) :: text
+      character(len=:), allocatable :: json
+
+      character(len=:), allocatable :: clean
+      character(len=6) :: escaped
+      integer :: i
+
+      clean = as_utf8(text)
+      json = '"'
+      do i = 1, len(clean)
+         select case (iachar(clean(i:i)))
+         case (34, 92)
+            json = json//'\'//clean(i:i)
+         case (:31, 127)
+            write (escaped, '(a,z4.4)') '\u', iachar(clean(i:i))
+            json = json//escaped
+         case default
+            json = json//clean(i:i)
+         end select
+      end do
+      json = json//'"'
+   end function json_text
+
+   !> A number with all its digits; null when it is not finite
+   pure function json_real(value) result(json)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: json
+
+      character(len=24) :: buffer
+
+      json = 'null'
+      if (.not. ieee_is_finite(value)) return
+      write (buffer, '(es24.16e3)') value
+      json = trim(adjustl(buffer))
+   end function json_real
+
+   !> A list of numbers
+   pure function json_reals(value) result(json)
+      real(wp), intent(in) :: value(:)
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = '['
+      do i = 1, size(value)
+         json = json//json_real(value(i))//comma(i, size(value))
+      end do
+      json = json//']'
+   end function json_reals
+
+   !> true or false
+   pure function json_logical(value) result(json)
+      logical, intent(in) :: value
+      character(len=:), allocatable :: json
+
+      json = trim(merge('true ', 'false', value))
+   end function json_logical
+
+   !> A comma after all but the last of n
+   pure function comma(i, n) result(text)
+      integer, intent(in) :: i, n
+      character(len=:), allocatable :: text
+
+      text = repeat(', ', merge(1, 0, i < n))
+   end function comma
+
+   !> A list of objects: severity, id, message, file, line, first, last, text, label, hint
+   pure function json_findings(findings) result(json)
+      type(finding_list_t), intent(in) :: findings
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = '['
+      do i = 1, findings%n
+         json = json//json_finding(findings%item(i))//comma(i, findings%n)
+      end do
+      json = json//']'
+   end function json_findings
+
+   pure function json_finding(finding) result(json)
+      type(error_t), intent(in) :: finding
+      character(len=:), allocatable :: json
+
+      associate (f => finding)
+         json = '{'//json_member('severity', &
+            trim(SEVERITY(min(max(f%severity, SEV_NOTE), SEV_ERROR))))//', '// &
+            json_member('id', trim(f%id))
+         if (allocated(f%message)) json = json//', '//json_member('message', f%message)
+         if (allocated(f%file)) json = json//', '//json_member('file', f%file)
+         if (f%line > 0) json = json//', '//json_member('line', f%line)
+         if (f%first > 0) json = json//', '//json_member('first', f%first)//', '// &
+            json_member('last', f%last)
+         if (allocated(f%text)) json = json//', '//json_member('text', f%text)
+         if (allocated(f%label)) json = json//', '//json_member('label', f%label)
+         if (allocated(f%hint)) json = json//', '//json_member('hint', f%hint)
+      end associate
+      json = json//'}'
+   end function json_finding
+
+end module kj_json_writer
