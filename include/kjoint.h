@@ -129,19 +129,11 @@ int kj_joints_restore(kj_joints *joints, int n, const double *state);
 
 /* ------------------------------------------------------------------ model level */
 
-/* What a run may be told; kj_options_init gives the defaults */
-typedef struct kj_options {
-  char formulation[16];   /* "consistent" or "legacy" */
-  char integrator[16];    /* "split2", "liemid", "rkmk4"; "" default */
-  char dt_rule[16];       /* "safe" or "nodal"; "" default */
-  double until;           /* end of the run, time; negative: that of the engine deck */
-  double sample;          /* sample interval, time; negative: that of the engine deck */
-  double dt_scale;        /* factor on the critical step; 0: that of the deck */
-  double kn_scale;        /* factor on the stiffness of blocked directions */
-  double energy_limit;    /* largest energy error in percent; negative: 15, off under legacy */
-  int ignore_unsupported; /* 1: unsupported keywords become warnings */
-  int threads;            /* of the cycle, 1 default; the results do not depend on it */
-} kj_options;
+/* Options of a run are a text, name=value with blanks between them: "formulation=legacy until=0.1";
+ * those that are left out have their defaults, of the same name twice the later holds. A flag is 1
+ * or 0. kj_options_list gives all, a line each: name, kind (word, real, integer, flag), words that
+ * it may be, default, meaning, with tabs between them. */
+int kj_options_list(char *buffer, size_t size);
 
 typedef struct kj_run_status {
   long long cycle;
@@ -164,15 +156,15 @@ typedef struct kj_body {
 /* Watches a run; returns other than 0 to end it */
 typedef int (*kj_tick)(const kj_run_status *status, void *user);
 
-int kj_options_init(kj_options *options);
-
 /* Read a deck. starter: path of ROOT_0000.rad; engine: NULL for ROOT_0001.rad (not read when
- * options->until is given); options: NULL for the defaults; message (may be NULL, size 0): all
- * errors of the deck, a line each. *model is NULL when it fails. */
-int kj_model_load(const char *starter, const char *engine, const kj_options *options,
-                  kj_model **model, char *message, size_t size);
+ * until is given); options: a text as above, NULL for the defaults; message (may be NULL, size 0):
+ * all errors of the deck, a line each. *model is NULL when it fails. */
+int kj_model_load(const char *starter, const char *engine, const char *options, kj_model **model,
+                  char *message, size_t size);
 void kj_model_free(kj_model *model);
 int kj_model_message(const kj_model *model, char *buffer, size_t size);
+/* The options that are not left to the deck, with what the formulation decides, in the same form */
+int kj_model_options(const kj_model *model, char *buffer, size_t size);
 /* Title of the deck, and warnings about it, a line each */
 int kj_model_title(const kj_model *model, char *buffer, size_t size);
 int kj_model_warnings(const kj_model *model, char *buffer, size_t size);

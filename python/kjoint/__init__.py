@@ -9,9 +9,9 @@ global frame where nothing else is said; six-vectors are tx ty tz rx ry rz. What
 kjoint.Error. The library libkjoint_c is found beside this package, in the paths of the system, or
 as the environment variable KJOINT_LIBRARY says. include/kjoint.h documents every call.
 """
-from ._library import Error, version
+from ._library import Error, options, version
 from .joints import Joints
 from .mechanism import Mechanism
 from .model import Model
 
-__all__ = ["Error", "Joints", "Mechanism", "Model", "version"]
+__all__ = ["Error", "Joints", "Mechanism", "Model", "options", "version"]

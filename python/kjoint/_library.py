@@ -1,4 +1,5 @@
 """The C library, its structures and errors."""
+import collections
 import ctypes as ct
 import ctypes.util
 import os
@@ -28,12 +29,6 @@ class Result(ct.Structure):
     _fields_ = [("id", INT), ("type", INT), ("force", REAL * 6), ("displacement", REAL * 6),
                 ("frame", REAL * 3 * 3), ("energy", REAL), ("dissipated", REAL),
                 ("orthogonality", REAL)]
-
-
-class Options(ct.Structure):
-    _fields_ = [("formulation", ct.c_char * 16), ("integrator", ct.c_char * 16),
-                ("dt_rule", ct.c_char * 16), ("until", REAL), ("sample", REAL), ("dt_scale", REAL),
-                ("kn_scale", REAL), ("energy_limit", REAL), ("ignore_unsupported", INT), ("threads", INT)]
 
 
 class Status(ct.Structure):
@@ -77,7 +72,7 @@ def _declare(library):
     text = [TEXT, ct.c_size_t]
     calls = {
         "kj_version": text, "kj_joint_type": [INT] + text + [p], "kj_joint_spec_init": [p],
-        "kj_options_init": [p],
+        "kj_options_list": text,
         "kj_joints_new": [TEXT, INT, p] + text, "kj_joints_message": [p] + text,
         "kj_joints_curve": [p, INT, numbers, numbers, p], "kj_joints_add": [p, p],
         "kj_joints_start": [p, INT] + [numbers] * 4,
@@ -88,7 +83,8 @@ def _declare(library):
         "kj_joints_energy": [p, p, p], "kj_joints_warnings": [p, REAL, p],
         "kj_joints_state_size": [p, p], "kj_joints_save": [p, INT, numbers],
         "kj_joints_restore": [p, INT, numbers],
-        "kj_model_load": [TEXT, TEXT, p, p] + text, "kj_model_message": [p] + text,
+        "kj_model_load": [TEXT, TEXT, TEXT, p] + text, "kj_model_message": [p] + text,
+        "kj_model_options": [p] + text,
         "kj_model_title": [p] + text, "kj_model_warnings": [p] + text,
         "kj_model_run": [p, p, p], "kj_model_start": [p], "kj_model_advance": [p, REAL],
         "kj_model_step": [p], "kj_model_sample": [p], "kj_model_status": [p, p],
@@ -114,11 +110,24 @@ def _declare(library):
 LIB = _declare(_find())
 
 
+def _text(call, *arguments):
+    buffer = ct.create_string_buffer(SIZE)
+    call(*arguments, buffer, SIZE)
+    return buffer.value.decode(errors="replace")
+
+
 def version():
     """Version of the library."""
-    buffer = ct.create_string_buffer(40)
-    LIB.kj_version(buffer, len(buffer))
-    return buffer.value.decode()
+    return _text(LIB.kj_version)
+
+
+Option = collections.namedtuple("Option", "kind words default meaning")
+
+
+def options():
+    """The options of a run, by their name: kind, words that they may be, default, meaning."""
+    rows = (line.split("\t") for line in _text(LIB.kj_options_list).splitlines())
+    return {name: Option(*columns) for name, *columns in rows}
 
 
 class Handle:
@@ -141,9 +150,7 @@ class Handle:
             raise Error(self._message(), status)
 
     def _message(self, what="message"):
-        buffer = ct.create_string_buffer(SIZE)
-        getattr(LIB, f"kj_{self.kind}_{what}")(self._handle, buffer, SIZE)
-        return buffer.value.decode(errors="replace")
+        return _text(getattr(LIB, f"kj_{self.kind}_{what}"), self._handle)
 
     def _number(self, name, kind=INT):
         value = kind()

@@ -46,11 +46,7 @@ class Joints(Handle):
     def __init__(self, n, formulation="consistent"):
         super().__init__()
         self.n = n
-        message = ct.create_string_buffer(1000)
-        status = LIB.kj_joints_new(formulation.encode(), n, ct.byref(self._handle), message, 1000)
-        if status:
-            from ._library import Error
-            raise Error(message.value.decode(), status)
+        self._new(LIB.kj_joints_new, formulation.encode(), n)
 
     def curve(self, x, y):
         """A function for the laws of joints that follow; gives its number."""

@@ -4,7 +4,8 @@ import os
 
 import numpy as np
 
-from ._library import INT, LIB, SIZE, TICK, Body, Error, Handle, Options, Result, Status
+from ._library import INT, LIB, TICK, Body, Handle, Result, Status
+from ._library import options as list_options
 
 
 def _vector(values, n=3):
@@ -15,8 +16,8 @@ def _vector(values, n=3):
 
 
 class Model(Handle):
-    """A Radioss deck. Options: formulation, integrator, dt_rule, until, sample, dt_scale, kn_scale,
-    energy_limit, ignore_unsupported, threads, as the command line has them.
+    """A Radioss deck. Options: those of kjoint.options(), as the command line has them, such as
+    until=0.1, formulation="legacy", islands=True; None leaves one out.
 
     run() keeps samples; model["joint/force"] is a channel over time, model.channels lists them.
     Or start(), then advance(t) or step(), body(id), joint(id), set_..., sample().
@@ -26,17 +27,19 @@ class Model(Handle):
 
     def __init__(self, deck, engine=None, **options):
         super().__init__()
-        chosen = Options()
-        LIB.kj_options_init(ct.byref(chosen))
-        for name, value in options.items():
-            if name not in dict(Options._fields_):
+        known = list_options()
+        for name in options:
+            if name not in known:
                 raise TypeError(f"there is no option {name}")
-            setattr(chosen, name, value.encode() if isinstance(value, str) else value)
-        message = ct.create_string_buffer(SIZE)
-        status = LIB.kj_model_load(os.fsencode(deck), engine and os.fsencode(engine),
-                                   ct.byref(chosen), ct.byref(self._handle), message, SIZE)
-        if status:
-            raise Error(message.value.decode(errors="replace"), status)
+        text = " ".join(f"{name}={int(value) if known[name].kind == 'flag' else value}"
+                        for name, value in options.items() if value is not None)
+        self._new(LIB.kj_model_load, os.fsencode(deck), engine and os.fsencode(engine),
+                  text.encode())
+
+    @property
+    def options(self):
+        """The options that are not left to the deck, with what the formulation decides, as texts."""
+        return dict(word.split("=") for word in self._message("options").split())
 
     @property
     def title(self):

@@ -6,7 +6,7 @@ module kj_study
    use kj_system, only: thread_clock
    use kj_study_metric, only: study_sink_t, class_errors, N_CLASS
    use kjoint, only: run_options_t, run_status_t, simulation_t, monitor_t, load_simulation, &
-      run_simulation, simulation_title, simulation_reach
+      run_simulation, simulation_title, simulation_reach, simulation_joints, simulation_bodies
    implicit none
    private
 
@@ -204,32 +204,16 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       type(simulation_t) :: sim
-      type(run_status_t) :: status
-      type(pass_on_t) :: monitor
-      type(finding_list_t) :: fresh
-      real(wp) :: clock
 
-      call load_simulation(sim, starter, engine, run, fresh, error)
-      findings = fresh
-      if (allocated(error)) return
-      if (findings%n_error > 0) then
-         call fail(error, ERR_INPUT, 'the deck has errors')
-         return
-      end if
-      monitor%watcher => watcher
-      clock = thread_clock()
-      call run_simulation(sim, sink, monitor, status, error)
+      call timed_run(starter, engine, run, watcher, sink, sim, study%reference, findings, error)
       if (.not. allocated(error)) then
          if (watcher%wants_stop()) call fail(error, ERR_RUN, 'the study was stopped')
       end if
       if (allocated(error)) return
       study%title = trim(simulation_title(sim))
       study%reach = simulation_reach(sim)
-      study%n_joint = status%n_joint
-      study%n_body = status%n_body
-      study%reference%good = .true.
-      call take_cost(status, thread_clock() - clock, study%reference)
-      call take_worst(sink, study%reference)
+      study%n_joint = size(simulation_joints(sim))
+      study%n_body = size(simulation_bodies(sim))
    end subroutine one_run
 
    !> One setting against the reference
@@ -242,76 +226,67 @@ contains
       type(trial_t), intent(inout) :: trial
 
       type(run_options_t) :: run
+      type(simulation_t) :: sim
+      type(trial_t) :: again
+      type(finding_list_t) :: findings
+      type(error_t), allocatable :: error
 
       run = trial%options
       run%sample = sample
       run%energy_limit = 1.0e6_wp
-      call timed_run(starter, engine, run, watcher, sink, reference%rows(1, :reference%n_row), &
-         trial)
+      sink%wanted = reference%rows(1, :reference%n_row)
+      call timed_run(starter, engine, run, watcher, sink, sim, trial, findings, error)
       if (trial%options%formulation == 'legacy' .and. trial%good) then
          ! its samples are cycles: the cost from the first run, rows from one that samples them all
          run%sample = 0.0_wp
-         call timed_run(starter, engine, run, watcher, sink, reference%rows(1, :reference%n_row), &
-            trial, keep_cost=.true.)
+         again = trial
+         call timed_run(starter, engine, run, watcher, sink, sim, again, findings, error)
+         again%time = trial%time
+         again%per_cycle = trial%per_cycle
+         trial = again
       end if
+      if (allocated(error)) trial%message = error%message
       if (.not. trial%good) return
       trial%error = class_errors(reference, sink, reach)
       trial%score = maxval(trial%error(1:2))
       trial%good = trial%score < huge(1.0_wp)
    end subroutine one_trial
 
-   subroutine timed_run(starter, engine, run, watcher, sink, wanted, trial, keep_cost)
+   !> A run, its cost and its worst. Errors: those of loading, findings and running
+   subroutine timed_run(starter, engine, run, watcher, sink, sim, trial, findings, error)
       character(len=*), intent(in) :: starter, engine
       type(run_options_t), intent(in) :: run
       class(watcher_t), intent(inout), target :: watcher
       type(study_sink_t), intent(inout) :: sink
-      real(wp), intent(in) :: wanted(:)
+      type(simulation_t), intent(out) :: sim
       type(trial_t), intent(inout) :: trial
-      logical, intent(in), optional :: keep_cost
+      type(finding_list_t), intent(out) :: findings
+      type(error_t), allocatable, intent(out) :: error
 
-      type(simulation_t) :: sim
       type(run_status_t) :: status
       type(pass_on_t) :: monitor
-      type(finding_list_t) :: findings
-      type(error_t), allocatable :: error
       real(wp) :: clock
 
       trial%good = .false.
       call load_simulation(sim, starter, engine, run, findings, error)
-      if (.not. allocated(error) .and. findings%n_error == 0) then
-         monitor%watcher => watcher
-         sink%wanted = wanted
-         clock = thread_clock()
-         call run_simulation(sim, sink, monitor, status, error)
-         trial%good = .not. allocated(error)
-         if (.not. present(keep_cost)) call take_cost(status, thread_clock() - clock, trial)
-         call take_worst(sink, trial)
-      end if
-      if (allocated(error)) trial%message = error%message
-      if (.not. allocated(error) .and. .not. trial%good) trial%message = 'the deck has errors'
-   end subroutine timed_run
-
-   pure subroutine take_cost(status, time, trial)
-      type(run_status_t), intent(in) :: status
-      real(wp), intent(in) :: time
-      type(trial_t), intent(inout) :: trial
-
+      if (.not. allocated(error) .and. findings%n_error > 0) &
+         call fail(error, ERR_INPUT, 'the deck has errors')
+      if (allocated(error)) return
+      monitor%watcher => watcher
+      clock = thread_clock()
+      call run_simulation(sim, sink, monitor, status, error)
+      if (allocated(error)) return
+      trial%good = .true.
+      trial%time = thread_clock() - clock
       trial%cycles = status%cycle
       trial%by_deck = status%owner_kind == 'none'
-      trial%time = time
       trial%step = status%time/max(1, status%cycle)
-      trial%per_cycle = time/max(1, status%cycle)/max(1, max(status%n_joint, &
+      trial%per_cycle = trial%time/max(1, status%cycle)/max(1, max(status%n_joint, &
          merge(0, status%n_body, status%n_joint > 0)))
-   end subroutine take_cost
-
-   pure subroutine take_worst(sink, trial)
-      type(study_sink_t), intent(in) :: sink
-      type(trial_t), intent(inout) :: trial
-
       trial%energy = sink%energy
       trial%gap = sink%gap
       trial%gap_rot = sink%gap_rot
-   end subroutine take_worst
+   end subroutine timed_run
 
    !> Observed orders: of each trial against the longer step before it, unless it is as near to the
    !> reference as that is to the truth.

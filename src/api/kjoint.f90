@@ -23,6 +23,8 @@ module kjoint
    use kj_sink, only: sink_t
    use kj_sink_memory, only: sink_memory_t
    use kj_check, only: check_t, limit_row_t
+   use kj_run_option, only: run_options_t, run_options, set_run_option, find_run_option, &
+      read_run_options, write_run_options
    use kj_host, only: joint_set_t, joint_spec_t, joint_result_t
    use kj_host_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
    use kj_host_force, only: joint_forces, joint_stiffness, critical_step, joint_count, &
@@ -33,8 +35,11 @@ module kjoint
 
    public :: wp, error_t, finding_list_t, sink_t, history_t, KJOINT_VERSION
    public :: ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, SEV_ERROR
-   public :: run_options_t, run_status_t, simulation_t, monitor_t
-   public :: load_simulation, run_simulation, simulation_title, simulation_reach, default_output
+   public :: run_options_t, run_options, set_run_option, find_run_option, read_run_options, &
+      write_run_options
+   public :: run_status_t, simulation_t, monitor_t
+   public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
+      simulation_options, default_output
    public :: check_t, limit_row_t, check_simulation
    ! model level, stepped by the host
    public :: start_simulation, advance_simulation, step_simulation, simulation_status
@@ -46,27 +51,6 @@ module kjoint
    public :: joint_set_t, joint_spec_t, joint_result_t, new_joint_set, add_joint_curve, add_joint, &
       start_joints, take_joints, joint_forces, joint_stiffness, critical_step, joint_count, &
       joint_result, joint_energy, joint_warnings, joint_state_size, save_joints, restore_joints
-
-   !> What a run may be told; '' and 0 stand for the defaults
-   type :: run_options_t
-      character(len=12) :: formulation = ''  !! consistent (default) or legacy
-      !> split2 (default of consistent), liemid, rkmk4; legacy
-      character(len=12) :: integrator = ''
-      character(len=12) :: dt_rule = ''      !! safe (default of consistent) or nodal
-      real(wp) :: until = -1.0_wp            !! end of the run, time; negative: /RUN
-      real(wp) :: sample = -1.0_wp           !! sample interval, time; negative: /TFILE
-      real(wp) :: dt_scale = 0.0_wp          !! factor on the critical step; 0: that of the deck
-      real(wp) :: dt_max_scale = 1.0_wp      !! factor on the steps of /DTIX
-      real(wp) :: kn_scale = 1.0_wp          !! factor on the stiffness of blocked directions
-      !> largest energy error in percent; negative: 15, off under legacy
-      real(wp) :: energy_limit = -1.0_wp
-      logical :: ignore_unsupported = .false.   !! unsupported keywords become warnings
-      integer :: threads = 1                 !! of the cycle; the results do not depend on it
-      !> joints or bodies that a thread needs to be worth it; smaller scenes take fewer threads
-      integer :: least_share = 500
-      !> islands march on their own steps and meet at the samples; consistent, run_simulation only
-      logical :: islands = .false.
-   end type run_options_t
 
    !> Where a run stands
    type :: run_status_t
@@ -338,6 +322,12 @@ module kjoint
          type(simulation_t), intent(in) :: sim
          type(check_t), intent(out) :: report
       end subroutine check_simulation
+
+      !> What a loaded scene was told, with what the formulation decides
+      module function simulation_options(sim) result(options)
+         type(simulation_t), intent(in) :: sim
+         type(run_options_t) :: options
+      end function simulation_options
 
       !> Title of the deck
       module function simulation_title(sim) result(title)

@@ -1,6 +1,7 @@
 !> Bodies of the public module: loading a deck, and what the history says of it.
 submodule (kjoint) kjoint_impl
    use kj_error, only: add_finding, fail, str
+   use kj_run_option, only: settle_run_options
    use kj_deck, only: read_deck, deck_t, source_t
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
@@ -23,10 +24,11 @@ contains
 
       sim%options = options
       sim%root = starter(:root_length(starter))
-      call check_options(sim, error)
+      call settle_run_options(sim%options, error)
       if (allocated(error)) return
+      sim%legacy = sim%options%formulation == 'legacy'
       call read_deck(starter, deck, findings, options%ignore_unsupported)
-      if (options%until > 0.0_wp .and. len(engine) == 0) then
+      if (options%until >= 0.0_wp .and. len(engine) == 0) then
          controls%t_stop = options%until
       else
          path = engine
@@ -37,7 +39,7 @@ contains
       call build_model(deck, controls, sim%model%model_t, findings, sim%legacy)
       if (findings%n_error > 0) return
       associate (c => sim%model%control)
-         if (options%until > 0.0_wp) c%t_stop = options%until
+         if (options%until >= 0.0_wp) c%t_stop = options%until
          if (options%sample >= 0.0_wp) c%sample = options%sample
          if (options%dt_scale > 0.0_wp) c%dt_factor = options%dt_scale
          c%threads = options%threads
@@ -99,37 +101,9 @@ contains
       end do
    end subroutine refuse_path
 
-   !> Formulation, integrator and time-step rule must go together
-   subroutine check_options(sim, error)
-      type(simulation_t), intent(inout) :: sim
-      type(error_t), allocatable, intent(out) :: error
-
-      associate (o => sim%options)
-         if (len_trim(o%formulation) == 0) o%formulation = 'consistent'
-         sim%legacy = o%formulation == 'legacy'
-         if (len_trim(o%integrator) == 0) o%integrator = merge('legacy', 'split2', sim%legacy)
-         if (len_trim(o%dt_rule) == 0) o%dt_rule = merge('nodal', 'safe ', sim%legacy)
-         if (o%energy_limit < 0.0_wp .and. .not. sim%legacy) o%energy_limit = 15.0_wp
-         if (all(o%formulation /= ['consistent', 'legacy    '])) then
-            call fail(error, ERR_INPUT, 'there is no formulation '//trim(o%formulation)// &
-               ': consistent or legacy')
-         else if (all(o%dt_rule /= ['nodal', 'safe '])) then
-            call fail(error, ERR_INPUT, 'there is no time-step rule '//trim(o%dt_rule)// &
-               ': safe or nodal')
-         else if (all(o%integrator /= ['split2', 'liemid', 'rkmk4 ', 'legacy'])) then
-            call fail(error, ERR_INPUT, 'there is no integrator '//trim(o%integrator)// &
-               ': split2, liemid, rkmk4 or legacy')
-         else if (sim%legacy .neqv. o%integrator == 'legacy') then
-            call fail(error, ERR_INPUT, 'the formulation '//trim(o%formulation)// &
-               ' does not go with the integrator '//trim(o%integrator))
-         else if (sim%legacy .and. o%dt_rule /= 'nodal') then
-            call fail(error, ERR_INPUT, 'the legacy formulation goes with the nodal rule only')
-         else if (sim%legacy .and. o%islands) then
-            call fail(error, ERR_INPUT, &
-               'the legacy formulation has one step for all: it does not go with islands')
-         end if
-      end associate
-   end subroutine check_options
+   module procedure simulation_options
+      options = sim%options
+   end procedure simulation_options
 
    module procedure simulation_title
       title = sim%model%title

@@ -2,12 +2,12 @@
 !> their documentation.
 module kjoint_c_forces
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_double, c_f_pointer, c_associated
-   use kj_error, only: error_t, finding_list_t, ERR_INPUT
+   use kj_error, only: error_t, finding_list_t
    use kj_host, only: joint_result_t
    use kjoint, only: joint_forces, joint_stiffness, critical_step, joint_count, joint_result, &
       joint_energy, joint_warnings, joint_state_size, save_joints, restore_joints
-   use kjoint_c_base, only: joints_box_t, find_joints, outcome, refuse, list_findings, &
-      c_joint_result_t, c_joint_result, OK
+   use kjoint_c_base, only: box_t, entered, outcome, put_count, list_findings, c_joint_result_t, &
+      c_joint_result, OK, OF_JOINTS
    implicit none
    private
 
@@ -24,29 +24,21 @@ contains
       real(c_double), value :: time, h
       integer(c_int), value :: n
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: xs(:, :), vs(:, :), ws(:, :), turns(:, :), fs(:, :), ms(:, :)
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (n < 0 .or. .not. (c_associated(x) .and. c_associated(v) .and. c_associated(omega) .and. &
-         c_associated(f) .and. c_associated(m))) then
-         status = refuse('n is negative, or x, v, omega, f or m is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, n >= 0 .and. c_associated(x) .and. &
+         c_associated(v) .and. c_associated(omega) .and. c_associated(f) .and. c_associated(m), &
+         'n is negative, or x, v, omega, f or m is null')) return
       call c_f_pointer(x, xs, [3, int(n)])
       call c_f_pointer(v, vs, [3, int(n)])
       call c_f_pointer(omega, ws, [3, int(n)])
       call c_f_pointer(f, fs, [3, int(n)])
       call c_f_pointer(m, ms, [3, int(n)])
-      if (c_associated(attitude)) then
-         call c_f_pointer(attitude, turns, [4, int(n)])
-         call joint_forces(box%set, time, h, xs, vs, ws, fs, ms, error, turns)
-      else
-         call joint_forces(box%set, time, h, xs, vs, ws, fs, ms, error)
-      end if
+      turns => null()                            ! an argument that is absent
+      if (c_associated(attitude)) call c_f_pointer(attitude, turns, [4, int(n)])
+      call joint_forces(box%set, time, h, xs, vs, ws, fs, ms, error, turns)
       status = outcome(error, box%message)
    end function kj_joints_forces
 
@@ -55,17 +47,12 @@ contains
       type(c_ptr), value :: joints, kn, kr
       integer(c_int), value :: n
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: k(:), r(:)
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (n < 0 .or. .not. (c_associated(kn) .and. c_associated(kr))) then
-         status = refuse('n is negative, or kn or kr is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, n >= 0 .and. c_associated(kn) .and. &
+         c_associated(kr), 'n is negative, or kn or kr is null')) return
       call c_f_pointer(kn, k, [n])
       call c_f_pointer(kr, r, [n])
       call joint_stiffness(box%set, k, r, error)
@@ -76,17 +63,11 @@ contains
    integer(c_int) function kj_joints_critical_step(joints, h) bind(c) result(status)
       type(c_ptr), value :: joints, h
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: step
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(h)) then
-         status = refuse('h is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, c_associated(h), 'h is null')) return
       call c_f_pointer(h, step)
       call critical_step(box%set, step, error)
       status = outcome(error, box%message)
@@ -96,15 +77,9 @@ contains
    integer(c_int) function kj_joints_count(joints, n) bind(c) result(status)
       type(c_ptr), value :: joints, n
 
-      type(joints_box_t), pointer :: box
-      integer(c_int), pointer :: count
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. (associated(box) .and. c_associated(n))) return
-      call c_f_pointer(n, count)
-      count = int(joint_count(box%set), c_int)
-      status = OK
+      if (entered(joints, OF_JOINTS, box, status)) status = put_count(joint_count(box%set), n)
    end function kj_joints_count
 
    !> See kjoint.h
@@ -112,18 +87,13 @@ contains
       type(c_ptr), value :: joints, result
       integer(c_int), value :: joint
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       type(c_joint_result_t), pointer :: c
       type(joint_result_t) :: r
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(result)) then
-         status = refuse('result is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, c_associated(result), &
+         'result is null')) return
       call joint_result(box%set, min(int(joint), huge(1) - 1) + 1, r, error)
       status = outcome(error, box%message)
       if (status /= OK) return
@@ -135,16 +105,11 @@ contains
    integer(c_int) function kj_joints_energy(joints, work, dissipated) bind(c) result(status)
       type(c_ptr), value :: joints, work, dissipated
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       real(c_double), pointer :: w, d
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (.not. (c_associated(work) .and. c_associated(dissipated))) then
-         status = refuse('work or dissipated is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, c_associated(work) .and. &
+         c_associated(dissipated), 'work or dissipated is null')) return
       call c_f_pointer(work, w)
       call c_f_pointer(dissipated, d)
       call joint_energy(box%set, w, d)
@@ -157,17 +122,11 @@ contains
       type(c_ptr), value :: joints, n
       real(c_double), value :: limit
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(finding_list_t) :: findings
       integer(c_int), pointer :: count
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(n)) then
-         status = refuse('n is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, c_associated(n), 'n is null')) return
       call c_f_pointer(n, count)
       call joint_warnings(box%set, limit, findings)
       count = int(findings%n_warning, c_int)
@@ -179,15 +138,9 @@ contains
    integer(c_int) function kj_joints_state_size(joints, n) bind(c) result(status)
       type(c_ptr), value :: joints, n
 
-      type(joints_box_t), pointer :: box
-      integer(c_int), pointer :: count
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. (associated(box) .and. c_associated(n))) return
-      call c_f_pointer(n, count)
-      count = int(joint_state_size(box%set), c_int)
-      status = OK
+      if (entered(joints, OF_JOINTS, box, status)) status = put_count(joint_state_size(box%set), n)
    end function kj_joints_state_size
 
    !> See kjoint.h
@@ -211,17 +164,12 @@ contains
       integer(c_int), intent(in) :: n
       logical, intent(in) :: keep
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: numbers(:)
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (n < 0 .or. .not. c_associated(state)) then
-         status = refuse('n is negative, or state is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, n >= 0 .and. c_associated(state), &
+         'n is negative, or state is null')) return
       call c_f_pointer(state, numbers, [n])
       if (keep) call save_joints(box%set, numbers, error)
       if (.not. keep) call restore_joints(box%set, numbers, error)

@@ -1,9 +1,9 @@
 !> The C function that writes a history file, of a library with HDF5.
 module kjoint_c_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int
-   use kj_error, only: error_t, ERR_INPUT, ERR_FILE
+   use kj_error, only: error_t, ERR_FILE
    use kj_sink_h5, only: sink_h5_t
-   use kjoint_c_base, only: model_box_t, find_model, outcome, refuse, get_text
+   use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, OF_MODEL
    implicit none
    private
 
@@ -15,15 +15,13 @@ contains
    integer(c_int) function kj_model_write_history(model, path) bind(c) result(status)
       type(c_ptr), value :: model, path
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(sink_h5_t) :: sink
       type(error_t), allocatable :: error, other
       character(len=:), allocatable :: outcome_text
       integer :: i
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       if (.not. allocated(box%samples%rows)) then
          status = refuse('there are no samples', box%message)
          return

@@ -1,14 +1,14 @@
 !> C functions that make the joints of a host: convert, call, convert back. include/kjoint.h is
 !> their documentation.
 module kjoint_c_joints
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_size_t, c_double, c_f_pointer, c_loc, &
-      c_associated, c_null_ptr
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_size_t, c_double, c_f_pointer, &
+      c_associated
    use kj_error, only: error_t, ERR_INPUT
    use kj_joint_types, only: joint_types, find_joint_type, NDOF
    use kj_host, only: joint_spec_t
    use kjoint, only: new_joint_set, add_joint_curve, add_joint, start_joints, take_joints
-   use kjoint_c_base, only: joints_box_t, model_box_t, find_joints, find_model, outcome, refuse, &
-      get_text, put_text, OK, MARK_JOINTS
+   use kjoint_c_base, only: box_t, entered, has_room, hand_out, release, outcome, refuse, &
+      get_text, put_text, OK, OF_JOINTS, OF_MODEL
    implicit none
    private
 
@@ -27,19 +27,18 @@ contains
    !> See kjoint.h
    integer(c_int) function kj_joint_type(type, name, size, free) bind(c) result(status)
       integer(c_int), value :: type
-      type(c_ptr), value :: name
+      type(c_ptr), value :: name, free
       integer(c_size_t), value :: size
-      integer(c_int), intent(out) :: free(NDOF)
 
+      integer(c_int), pointer :: dofs(:)
       integer :: row
 
       status = ERR_INPUT
-      free = 0
       row = find_joint_type(int(type))
-      if (row == 0) return
-      free = int(joint_types(row)%free, c_int)
-      call put_text(trim(joint_types(row)%name), name, size)
-      status = OK
+      if (row == 0 .or. .not. c_associated(free)) return
+      call c_f_pointer(free, dofs, [NDOF])
+      dofs = int(joint_types(row)%free, c_int)
+      status = put_text(trim(joint_types(row)%name), name, size)
    end function kj_joint_type
 
    !> See kjoint.h
@@ -75,43 +74,23 @@ contains
       integer(c_int), value :: n_node
       integer(c_size_t), value :: size
 
-      type(joints_box_t), pointer :: box
-      type(c_ptr), pointer :: handle
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       character(len=:), allocatable :: text
 
-      text = ''
-      status = ERR_INPUT
-      if (.not. c_associated(joints)) then
-         call put_text('joints is null', message, size)
-         return
-      end if
-      call c_f_pointer(joints, handle)
-      handle = c_null_ptr
+      if (.not. has_room(joints, .true., 'joints is null', message, size, status)) return
       allocate (box)
       call get_text(formulation, text)
       call new_joint_set(box%set, text, int(n_node), error)
       status = outcome(error, text)
-      call put_text(text, message, size)
-      if (status /= OK) then
-         deallocate (box)
-         return
-      end if
-      box%mark = MARK_JOINTS
-      box%message = ''
-      handle = c_loc(box)
+      call hand_out(box, OF_JOINTS, status, text, message, size, joints)
    end function kj_joints_new
 
    !> See kjoint.h
    subroutine kj_joints_free(joints) bind(c)
       type(c_ptr), value :: joints
 
-      type(joints_box_t), pointer :: box
-
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      box%mark = 0
-      deallocate (box)
+      call release(joints, OF_JOINTS)
    end subroutine kj_joints_free
 
    !> See kjoint.h
@@ -119,13 +98,9 @@ contains
       type(c_ptr), value :: joints, buffer
       integer(c_size_t), value :: size
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      call put_text(box%message, buffer, size)
-      status = OK
+      if (entered(joints, OF_JOINTS, box, status)) status = put_text(box%message, buffer, size)
    end function kj_joints_message
 
    !> See kjoint.h
@@ -133,19 +108,15 @@ contains
       type(c_ptr), value :: joints, x, y, curve
       integer(c_int), value :: n
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: xs(:), ys(:)
       integer(c_int), pointer :: number
       integer :: place
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (n < 0 .or. .not. (c_associated(x) .and. c_associated(y) .and. c_associated(curve))) then
-         status = refuse('n is negative, or x, y or curve is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, n >= 0 .and. c_associated(x) .and. &
+         c_associated(y) .and. c_associated(curve), &
+         'n is negative, or x, y or curve is null')) return
       call c_f_pointer(x, xs, [n])
       call c_f_pointer(y, ys, [n])
       call c_f_pointer(curve, number)
@@ -158,18 +129,12 @@ contains
    integer(c_int) function kj_joints_add(joints, spec) bind(c) result(status)
       type(c_ptr), value :: joints, spec
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(c_joint_spec_t), pointer :: s
       type(joint_spec_t) :: joint
       type(error_t), allocatable :: error
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(spec)) then
-         status = refuse('spec is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, c_associated(spec), 'spec is null')) return
       call c_f_pointer(spec, s)
       joint%id = s%id
       joint%type = s%type
@@ -202,27 +167,19 @@ contains
       type(c_ptr), value :: joints, x, mass, inertia, attitude
       integer(c_int), value :: n
 
-      type(joints_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: xs(:, :), masses(:), inertias(:, :), turns(:, :)
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      if (n < 0 .or. .not. (c_associated(x) .and. c_associated(mass) .and. &
-         c_associated(inertia))) then
-         status = refuse('n is negative, or x, mass or inertia is null', box%message)
-         return
-      end if
+      if (.not. entered(joints, OF_JOINTS, box, status, n >= 0 .and. c_associated(x) .and. &
+         c_associated(mass) .and. c_associated(inertia), &
+         'n is negative, or x, mass or inertia is null')) return
       call c_f_pointer(x, xs, [3, int(n)])
       call c_f_pointer(mass, masses, [n])
       call c_f_pointer(inertia, inertias, [3, int(n)])
-      if (c_associated(attitude)) then
-         call c_f_pointer(attitude, turns, [4, int(n)])
-         call start_joints(box%set, xs, masses, inertias, error, turns)
-      else
-         call start_joints(box%set, xs, masses, inertias, error)
-      end if
+      turns => null()                            ! an argument that is absent
+      if (c_associated(attitude)) call c_f_pointer(attitude, turns, [4, int(n)])
+      call start_joints(box%set, xs, masses, inertias, error, turns)
       status = outcome(error, box%message)
    end function kj_joints_start
 
@@ -232,27 +189,23 @@ contains
       type(c_ptr), value :: joints, model, node_id, attitude
       integer(c_int), value :: n
 
-      type(joints_box_t), pointer :: box
-      type(model_box_t), pointer :: scene
+      character(len=*), parameter :: NO_NODES = 'n is negative, or model or node_id is null'
+      type(box_t), pointer :: box
+      type(box_t), pointer :: scene
       type(error_t), allocatable :: error
       integer(c_int), pointer :: ids(:)
       real(c_double), pointer :: turns(:, :)
 
-      status = ERR_INPUT
-      call find_joints(joints, box)
-      if (.not. associated(box)) return
-      call find_model(model, scene)
-      if (n < 0 .or. .not. (associated(scene) .and. c_associated(node_id))) then
-         status = refuse('n is negative, or model or node_id is null', box%message)
+      if (.not. entered(joints, OF_JOINTS, box, status, n >= 0 .and. c_associated(node_id), &
+         NO_NODES)) return
+      if (.not. entered(model, OF_MODEL, scene, status)) then
+         status = refuse(NO_NODES, box%message)
          return
       end if
       call c_f_pointer(node_id, ids, [n])
-      if (c_associated(attitude)) then
-         call c_f_pointer(attitude, turns, [4, int(n)])
-         call take_joints(box%set, scene%sim, ids, error, turns)
-      else
-         call take_joints(box%set, scene%sim, ids, error)
-      end if
+      turns => null()                            ! an argument that is absent
+      if (c_associated(attitude)) call c_f_pointer(attitude, turns, [4, int(n)])
+      call take_joints(box%set, scene%sim, ids, error, turns)
       status = outcome(error, box%message)
    end function kj_joints_take
 

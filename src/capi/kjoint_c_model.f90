@@ -1,29 +1,24 @@
 !> C functions of a model and its run: convert, call, convert back. include/kjoint.h is their
 !> documentation.
 module kjoint_c_model
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_funptr, c_char, c_int, c_size_t, c_double, &
-      c_long_long, c_f_pointer, c_f_procpointer, c_loc, c_associated, c_null_ptr, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_funptr, c_int, c_size_t, c_double, c_long_long, &
+      c_f_pointer, c_f_procpointer, c_associated, c_null_ptr
    use kj_kinds, only: wp
    use kj_error, only: error_t, ERR_INPUT
    use kj_history, only: history_t
-   use kjoint, only: run_options_t, run_status_t, monitor_t, load_simulation, run_simulation, &
+   use kj_run_option, only: KIND_NAME
+   use kjoint, only: run_options_t, run_options, read_run_options, write_run_options, &
+      simulation_options, run_status_t, monitor_t, load_simulation, run_simulation, &
       start_simulation, advance_simulation, step_simulation, simulation_status, &
       simulation_history, sample_simulation
-   use kjoint_c_base, only: model_box_t, find_model, outcome, refuse, get_text, fixed_text, &
-      put_text, list_findings, OK, MARK_MODEL
+   use kjoint_c_base, only: box_t, entered, has_room, hand_out, release, outcome, get_text, &
+      put_text, list_findings, OK, OF_MODEL
    implicit none
    private
 
-   public :: kj_options_init, kj_model_load, kj_model_free, kj_model_message, kj_model_title, &
-      kj_model_warnings, kj_model_run, kj_model_start, kj_model_advance, kj_model_step, &
-      kj_model_sample, kj_model_status
-
-   !> kj_options
-   type, bind(c) :: c_options_t
-      character(kind=c_char) :: formulation(16), integrator(16), dt_rule(16)
-      real(c_double) :: until, sample, dt_scale, kn_scale, energy_limit
-      integer(c_int) :: ignore_unsupported, threads
-   end type c_options_t
+   public :: kj_options_list, kj_model_options, kj_model_load, kj_model_free, kj_model_message, &
+      kj_model_title, kj_model_warnings, kj_model_run, kj_model_start, kj_model_advance, &
+      kj_model_step, kj_model_sample, kj_model_status
 
    !> kj_run_status
    type, bind(c) :: c_status_t
@@ -52,27 +47,24 @@ module kjoint_c_model
 contains
 
    !> See kjoint.h
-   integer(c_int) function kj_options_init(options) bind(c) result(status)
-      type(c_ptr), value :: options
+   integer(c_int) function kj_options_list(buffer, size) bind(c) result(status)
+      type(c_ptr), value :: buffer
+      integer(c_size_t), value :: size
 
-      type(c_options_t), pointer :: o
-      type(run_options_t) :: default
+      character, parameter :: TAB = achar(9)
+      character(len=:), allocatable :: text
+      integer :: i
 
-      status = ERR_INPUT
-      if (.not. c_associated(options)) return
-      call c_f_pointer(options, o)
-      o%formulation = c_null_char
-      o%integrator = c_null_char
-      o%dt_rule = c_null_char
-      o%until = default%until
-      o%sample = default%sample
-      o%dt_scale = default%dt_scale
-      o%kn_scale = default%kn_scale
-      o%energy_limit = default%energy_limit
-      o%ignore_unsupported = 0
-      o%threads = 1
-      status = OK
-   end function kj_options_init
+      text = ''
+      do i = 1, ubound(run_options, 1)
+         if (i > 1) text = text//new_line('a')
+         associate (o => run_options(i))
+            text = text//trim(o%name)//TAB//trim(KIND_NAME(o%kind))//TAB//trim(o%words)//TAB// &
+               trim(o%default)//TAB//trim(o%meaning)
+         end associate
+      end do
+      status = put_text(text, buffer, size)
+   end function kj_options_list
 
    !> See kjoint.h
    integer(c_int) function kj_model_load(starter, engine, options, model, message, size) bind(c) &
@@ -80,69 +72,33 @@ contains
       type(c_ptr), value :: starter, engine, options, model, message
       integer(c_size_t), value :: size
 
-      type(model_box_t), pointer :: box
-      type(c_ptr), pointer :: handle
+      type(box_t), pointer :: box
       type(run_options_t) :: chosen
       type(error_t), allocatable :: error
       character(len=:), allocatable :: text, deck, controls
 
-      text = ''
-      status = ERR_INPUT
-      if (.not. (c_associated(model) .and. c_associated(starter))) then
-         call put_text('starter or model is null', message, size)
-         return
-      end if
-      call c_f_pointer(model, handle)
-      handle = c_null_ptr
-      if (c_associated(options)) call take_options(options, chosen)
+      if (.not. has_room(model, c_associated(starter), 'starter or model is null', message, size, &
+         status)) return
       allocate (box)
       call get_text(starter, deck)
       call get_text(engine, controls)
-      call load_simulation(box%sim, deck, controls, chosen, box%findings, error)
+      call get_text(options, text)
+      call read_run_options(text, chosen, error)
+      if (.not. allocated(error)) &
+         call load_simulation(box%sim, deck, controls, chosen, box%findings, error)
       status = outcome(error, text)
       if (status == OK .and. box%findings%n_error > 0) then
          status = ERR_INPUT
          call list_findings(box%findings, .true., text)
       end if
-      call put_text(text, message, size)
-      if (status /= OK) then
-         deallocate (box)
-         return
-      end if
-      box%mark = MARK_MODEL
-      box%message = ''
-      handle = c_loc(box)
+      call hand_out(box, OF_MODEL, status, text, message, size, model)
    end function kj_model_load
-
-   subroutine take_options(pointer, chosen)
-      type(c_ptr), intent(in) :: pointer
-      type(run_options_t), intent(out) :: chosen
-
-      type(c_options_t), pointer :: o
-
-      call c_f_pointer(pointer, o)
-      chosen%formulation = fixed_text(o%formulation)
-      chosen%integrator = fixed_text(o%integrator)
-      chosen%dt_rule = fixed_text(o%dt_rule)
-      chosen%until = o%until
-      chosen%sample = o%sample
-      chosen%dt_scale = o%dt_scale
-      chosen%kn_scale = o%kn_scale
-      chosen%energy_limit = o%energy_limit
-      chosen%ignore_unsupported = o%ignore_unsupported /= 0
-      chosen%threads = max(1, int(o%threads))
-   end subroutine take_options
 
    !> See kjoint.h
    subroutine kj_model_free(model) bind(c)
       type(c_ptr), value :: model
 
-      type(model_box_t), pointer :: box
-
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      box%mark = 0
-      deallocate (box)
+      call release(model, OF_MODEL)
    end subroutine kj_model_free
 
    !> See kjoint.h
@@ -150,13 +106,9 @@ contains
       type(c_ptr), value :: model, buffer
       integer(c_size_t), value :: size
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      call put_text(box%message, buffer, size)
-      status = OK
+      if (entered(model, OF_MODEL, box, status)) status = put_text(box%message, buffer, size)
    end function kj_model_message
 
    !> See kjoint.h
@@ -164,15 +116,12 @@ contains
       type(c_ptr), value :: model, buffer
       integer(c_size_t), value :: size
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(history_t) :: history
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       history = simulation_history(box%sim)
-      call put_text(history%title, buffer, size)
-      status = OK
+      status = put_text(history%title, buffer, size)
    end function kj_model_title
 
    !> See kjoint.h
@@ -180,16 +129,26 @@ contains
       type(c_ptr), value :: model, buffer
       integer(c_size_t), value :: size
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       character(len=:), allocatable :: text
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call list_findings(box%findings, .false., text)
-      call put_text(text, buffer, size)
-      status = OK
+      status = put_text(text, buffer, size)
    end function kj_model_warnings
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_options(model, buffer, size) bind(c) result(status)
+      type(c_ptr), value :: model, buffer
+      integer(c_size_t), value :: size
+
+      type(box_t), pointer :: box
+      character(len=:), allocatable :: text
+
+      if (.not. entered(model, OF_MODEL, box, status)) return
+      call write_run_options(simulation_options(box%sim), text)
+      status = put_text(text, buffer, size)
+   end function kj_model_options
 
    !> Ask the watcher
    subroutine tick(self, status, stop)
@@ -224,14 +183,12 @@ contains
       type(c_ptr), value :: model, user
       type(c_funptr), value :: tick
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(c_monitor_t) :: monitor
       procedure(watch_i), pointer :: call_back
       type(error_t), allocatable :: error
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       if (c_associated(tick)) then
          call c_f_procpointer(tick, call_back)
          monitor%call_back => call_back
@@ -246,12 +203,10 @@ contains
    integer(c_int) function kj_model_start(model) bind(c) result(status)
       type(c_ptr), value :: model
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call start_simulation(box%sim, error)
       if (.not. allocated(error)) call box%samples%open(simulation_history(box%sim), error)
       box%stepping = .not. allocated(error)
@@ -263,12 +218,10 @@ contains
       type(c_ptr), value :: model
       real(c_double), value :: until
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call advance_simulation(box%sim, until, error)
       status = outcome(error, box%message)
    end function kj_model_advance
@@ -277,12 +230,10 @@ contains
    integer(c_int) function kj_model_step(model) bind(c) result(status)
       type(c_ptr), value :: model
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call step_simulation(box%sim, error)
       status = outcome(error, box%message)
    end function kj_model_step
@@ -291,14 +242,12 @@ contains
    integer(c_int) function kj_model_sample(model) bind(c) result(status)
       type(c_ptr), value :: model
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(history_t) :: history
       type(error_t), allocatable :: error
       real(wp), allocatable :: row(:)
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       history = simulation_history(box%sim)
       allocate (row(history%n_value))
       call sample_simulation(box%sim, row, error)
@@ -311,16 +260,10 @@ contains
       result(status)
       type(c_ptr), value :: model, now
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(c_status_t), pointer :: c
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(now)) then
-         status = refuse('status is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(now), 'status is null')) return
       call c_f_pointer(now, c)
       if (box%stepping) box%status = simulation_status(box%sim)
       box%status%n_sample = box%samples%n_row

@@ -1,8 +1,8 @@
 !> The C function that writes a history file, of a library without HDF5.
 module kjoint_c_none
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int
-   use kj_error, only: ERR_INPUT, ERR_FILE
-   use kjoint_c_base, only: model_box_t, find_model, refuse
+   use kj_error, only: ERR_FILE
+   use kjoint_c_base, only: box_t, entered, refuse, OF_MODEL
    implicit none
    private
 
@@ -14,11 +14,11 @@ contains
    integer(c_int) function kj_model_write_history(model, path) bind(c) result(status)
       type(c_ptr), value :: model, path
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      associate (unused => path)
+      end associate
+      if (.not. entered(model, OF_MODEL, box, status)) return
       status = refuse('this library was built without HDF5 (KJOINT_IO)', box%message)
       status = ERR_FILE
    end function kj_model_write_history

@@ -8,7 +8,7 @@ module kjoint_c_samples
    use kj_history, only: history_t, variable_t
    use kj_channels, only: channels, groups
    use kjoint, only: simulation_history
-   use kjoint_c_base, only: model_box_t, find_model, outcome, refuse, get_text, put_text, OK
+   use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, put_text, OK, OF_MODEL
    implicit none
    private
 
@@ -21,9 +21,7 @@ contains
       type(c_ptr), value :: buffer
       integer(c_size_t), value :: size
 
-      status = OK
-      if (.not. c_associated(buffer)) status = ERR_INPUT
-      call put_text(KJOINT_VERSION, buffer, size)
+      status = put_text(KJOINT_VERSION, buffer, size)
    end function kj_version
 
    !> Name of a variable as in the history file
@@ -39,7 +37,7 @@ contains
 
    !> A variable of the samples of a model. Errors: ERR_INPUT
    subroutine find_variable(box, channel, v, error)
-      type(model_box_t), intent(in) :: box
+      type(box_t), intent(in) :: box
       type(c_ptr), intent(in) :: channel
       type(variable_t), intent(out) :: v
       type(error_t), allocatable, intent(out) :: error
@@ -62,21 +60,18 @@ contains
       type(c_ptr), value :: model, buffer
       integer(c_size_t), value :: size
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(history_t) :: history
       character(len=:), allocatable :: text
       integer :: i
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       history = simulation_history(box%sim)
       text = trim(name_of(history%variable(1)))
       do i = 2, ubound(history%variable, 1)
          text = text//new_line('a')//trim(name_of(history%variable(i)))
       end do
-      call put_text(text, buffer, size)
-      status = OK
+      status = put_text(text, buffer, size)
    end function kj_model_channels
 
    !> See kjoint.h
@@ -84,18 +79,14 @@ contains
       result(status)
       type(c_ptr), value :: model, channel, n_row, n_entity, n_comp
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(variable_t) :: v
       type(error_t), allocatable :: error
       integer(c_int), pointer :: number
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. (c_associated(n_row) .and. c_associated(n_entity) .and. c_associated(n_comp))) then
-         status = refuse('n_row, n_entity or n_comp is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(n_row) .and. &
+         c_associated(n_entity) .and. c_associated(n_comp), &
+         'n_row, n_entity or n_comp is null')) return
       call find_variable(box, channel, v, error)
       status = outcome(error, box%message)
       if (status /= OK) return
@@ -112,15 +103,13 @@ contains
       type(c_ptr), value :: model, channel, values
       integer(c_int), value :: count
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(variable_t) :: v
       type(error_t), allocatable :: error
       real(c_double), pointer :: series(:, :)
       integer :: width
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call find_variable(box, channel, v, error)
       status = outcome(error, box%message)
       if (status /= OK) return
@@ -140,19 +129,17 @@ contains
       type(c_ptr), value :: model, channel, buffer
       integer(c_size_t), value :: size
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(variable_t) :: v
       type(error_t), allocatable :: error
       type(history_t) :: history
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call find_variable(box, channel, v, error)
       status = outcome(error, box%message)
       if (status /= OK) return
       history = simulation_history(box%sim)
-      call put_text(unit_text(channels(v%channel)%dim, history%units), buffer, size)
+      status = put_text(unit_text(channels(v%channel)%dim, history%units), buffer, size)
    end function kj_model_unit
 
 end module kjoint_c_samples

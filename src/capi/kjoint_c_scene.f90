@@ -2,12 +2,12 @@
 !> documentation.
 module kjoint_c_scene
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_double, c_f_pointer, c_associated
-   use kj_error, only: error_t, str, ERR_INPUT
+   use kj_error, only: error_t, str
    use kj_host, only: joint_result_t
    use kjoint, only: body_state_t, simulation_bodies, simulation_joints, body_state, joint_state, &
       node_position, set_body_load, set_load_factor, set_body_velocity, set_body_pose, lock_joint
-   use kjoint_c_base, only: model_box_t, find_model, outcome, refuse, c_joint_result_t, &
-      c_joint_result, OK
+   use kjoint_c_base, only: box_t, entered, outcome, refuse, put_count, c_joint_result_t, &
+      c_joint_result, OK, OF_MODEL
    implicit none
    private
 
@@ -28,47 +28,31 @@ contains
    integer(c_int) function kj_model_body_count(model, n) bind(c) result(status)
       type(c_ptr), value :: model, n
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (associated(box)) status = put_count(size(simulation_bodies(box%sim)), n)
+      if (entered(model, OF_MODEL, box, status)) &
+         status = put_count(size(simulation_bodies(box%sim)), n)
    end function kj_model_body_count
 
    !> See kjoint.h
    integer(c_int) function kj_model_joint_count(model, n) bind(c) result(status)
       type(c_ptr), value :: model, n
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (associated(box)) status = put_count(size(simulation_joints(box%sim)), n)
+      if (entered(model, OF_MODEL, box, status)) &
+         status = put_count(size(simulation_joints(box%sim)), n)
    end function kj_model_joint_count
-
-   integer(c_int) function put_count(count, n) result(status)
-      integer, intent(in) :: count
-      type(c_ptr), intent(in) :: n
-
-      integer(c_int), pointer :: number
-
-      status = ERR_INPUT
-      if (.not. c_associated(n)) return
-      call c_f_pointer(n, number)
-      number = int(count, c_int)
-      status = OK
-   end function put_count
 
    !> See kjoint.h
    integer(c_int) function kj_model_body_ids(model, count, ids) bind(c) result(status)
       type(c_ptr), value :: model, ids
       integer(c_int), value :: count
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (associated(box)) status = put_ids(simulation_bodies(box%sim), box, count, ids)
+      if (entered(model, OF_MODEL, box, status)) status = put_ids(simulation_bodies(box%sim), box, &
+         count, ids)
    end function kj_model_body_ids
 
    !> See kjoint.h
@@ -76,16 +60,15 @@ contains
       type(c_ptr), value :: model, ids
       integer(c_int), value :: count
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (associated(box)) status = put_ids(simulation_joints(box%sim), box, count, ids)
+      if (entered(model, OF_MODEL, box, status)) status = put_ids(simulation_joints(box%sim), box, &
+         count, ids)
    end function kj_model_joint_ids
 
    integer(c_int) function put_ids(list, box, count, ids) result(status)
       integer, intent(in) :: list(:)
-      type(model_box_t), intent(inout) :: box
+      type(box_t), intent(inout) :: box
       integer(c_int), intent(in) :: count
       type(c_ptr), intent(in) :: ids
 
@@ -106,18 +89,12 @@ contains
       type(c_ptr), value :: model, body
       integer(c_int), value :: id
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       type(body_state_t) :: b
       type(c_body_t), pointer :: c
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(body)) then
-         status = refuse('body is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(body), 'body is null')) return
       call body_state(box%sim, int(id), b, error)
       status = outcome(error, box%message)
       if (status /= OK) return
@@ -137,18 +114,13 @@ contains
       type(c_ptr), value :: model, result
       integer(c_int), value :: id
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       type(joint_result_t) :: r
       type(c_joint_result_t), pointer :: c
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(result)) then
-         status = refuse('result is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(result), &
+         'result is null')) return
       call joint_state(box%sim, int(id), r, error)
       status = outcome(error, box%message)
       if (status /= OK) return
@@ -161,18 +133,12 @@ contains
       type(c_ptr), value :: model, x
       integer(c_int), value :: id
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: place(:)
       real(c_double) :: found(3)
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. c_associated(x)) then
-         status = refuse('x is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(x), 'x is null')) return
       call node_position(box%sim, int(id), found, error)
       status = outcome(error, box%message)
       if (status /= OK) return
@@ -185,17 +151,12 @@ contains
       type(c_ptr), value :: model, force, moment
       integer(c_int), value :: id
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: f(:), m(:)
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. (c_associated(force) .and. c_associated(moment))) then
-         status = refuse('force or moment is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(force) .and. &
+         c_associated(moment), 'force or moment is null')) return
       call c_f_pointer(force, f, [3])
       call c_f_pointer(moment, m, [3])
       call set_body_load(box%sim, int(id), f, m, error)
@@ -208,12 +169,10 @@ contains
       integer(c_int), value :: id
       real(c_double), value :: factor
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call set_load_factor(box%sim, int(id), factor, error)
       status = outcome(error, box%message)
    end function kj_model_set_load_factor
@@ -224,17 +183,12 @@ contains
       type(c_ptr), value :: model, velocity, omega
       integer(c_int), value :: id
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: v(:), w(:)
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. (c_associated(velocity) .and. c_associated(omega))) then
-         status = refuse('velocity or omega is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(velocity) .and. &
+         c_associated(omega), 'velocity or omega is null')) return
       call c_f_pointer(velocity, v, [3])
       call c_f_pointer(omega, w, [3])
       call set_body_velocity(box%sim, int(id), v, w, error)
@@ -247,17 +201,12 @@ contains
       type(c_ptr), value :: model, position, attitude
       integer(c_int), value :: id
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
       real(c_double), pointer :: x(:), q(:)
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
-      if (.not. (c_associated(position) .and. c_associated(attitude))) then
-         status = refuse('position or attitude is null', box%message)
-         return
-      end if
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(position) .and. &
+         c_associated(attitude), 'position or attitude is null')) return
       call c_f_pointer(position, x, [3])
       call c_f_pointer(attitude, q, [4])
       call set_body_pose(box%sim, int(id), x, q, error)
@@ -269,12 +218,10 @@ contains
       type(c_ptr), value :: model
       integer(c_int), value :: id, locked
 
-      type(model_box_t), pointer :: box
+      type(box_t), pointer :: box
       type(error_t), allocatable :: error
 
-      status = ERR_INPUT
-      call find_model(model, box)
-      if (.not. associated(box)) return
+      if (.not. entered(model, OF_MODEL, box, status)) return
       call lock_joint(box%sim, int(id), locked /= 0, error)
       status = outcome(error, box%message)
    end function kj_model_lock_joint

@@ -11,7 +11,7 @@ module kj_check_command
    use kj_words, only: left, right, counted
    use kj_json_writer, only: json_member, json_pair, json_real, json_reals, json_findings, comma
    use kj_check_limits, only: print_limits, limits_json
-   use kj_run_command, only: default_engine, check_end, take_options, exit_code
+   use kj_run_arguments, only: take_run_options, find_engine, exit_code
    use kjoint, only: simulation_t, run_options_t, check_t, load_simulation, check_simulation, &
       simulation_title
    implicit none
@@ -34,11 +34,9 @@ contains
       character(len=:), allocatable :: engine
       logical :: well
 
-      call take_options(args, options, error)
+      call take_run_options(args, options, error)
       if (.not. allocated(error)) then
-         engine = default_engine(args%operand(1)%s)
-         if (args%n_operand == 2) engine = args%operand(2)%s
-         if (engine == '') call check_end(args, no_end)
+         call find_engine(args, options, engine, no_end)
          if (allocated(no_end)) options%until = 1.0_wp     ! to see what else is wrong
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
       end if

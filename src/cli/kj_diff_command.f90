@@ -1,16 +1,15 @@
 !> `kjoint diff` and `kjoint convert`: options in, answer out.
 module kj_diff_command
-   use kj_error, only: error_t, fail, ERR_FILE
+   use kj_error, only: error_t
    use kj_kinds, only: wp
    use kj_metrics, only: find_metrics
    use kj_diff, only: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, &
       diff_json, diff_junit
    use kj_convert, only: convert_t01
    use kj_sink_h5, only: sink_h5_t
-   use kj_option_value, only: option_real
-   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, OPT_WINDOW, &
-      OPT_METRICS, OPT_JUNIT, OPT_RTOL
-   use kj_terminal, only: print_text
+   use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, &
+      OPT_WINDOW, OPT_METRICS, OPT_JUNIT, OPT_RTOL
+   use kj_terminal, only: print_text, write_file
    implicit none
    private
 
@@ -63,25 +62,6 @@ contains
       if (args%given(OPT_METRICS) .and. .not. allocated(error)) &
          call find_metrics(args%value(OPT_METRICS)%s, options%metrics, error)
    end subroutine take_options
-
-   !> Write a text to a file
-   !>
-   !> Errors: ERR_FILE when that fails
-   subroutine write_file(path, text, error)
-      character(len=*), intent(in) :: path, text
-      type(error_t), allocatable, intent(out) :: error
-
-      character(len=200) :: why
-      integer :: unit, status
-
-      open (newunit=unit, file=path, access='stream', form='unformatted', status='replace', &
-            action='write', iostat=status, iomsg=why)
-      if (status == 0) then
-         write (unit, iostat=status, iomsg=why) text
-         close (unit)
-      end if
-      if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(why))
-   end subroutine write_file
 
    !> Turn a Radioss T01 into a history
    !>

@@ -3,7 +3,7 @@ module kj_help
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_version, only: KJOINT_VERSION
    use kj_message, only: messages, find_message
-   use kj_option, only: commands, options, has_option, did_you_mean
+   use kj_option, only: commands, option_t, option, has_option, did_you_mean, N_OPTION
    use kj_terminal, only: print_line
    implicit none
    private
@@ -47,7 +47,7 @@ contains
          call print_line('usage: kjoint '//trim(commands(i)%name)//' '//trim(commands(i)%operands))
          call print_line('')
          call print_line('   '//trim(commands(i)%meaning))
-         if (any([(has_option(i, k), k=1, size(options))])) then
+         if (any([(has_option(i, option(k)), k=1, N_OPTION)])) then
             call print_line('')
             call print_options(i)
          end if
@@ -59,15 +59,17 @@ contains
    subroutine print_options(command)
       integer, intent(in) :: command
 
-      character(len=:), allocatable :: name
+      character(len=4) :: short
+      type(option_t) :: o
       integer :: i
 
       call print_line('Options of '//trim(commands(command)%name)//':')
-      do i = 1, size(options)
-         if (.not. has_option(command, i)) cycle
-         name = '    '//trim(options(i)%name)
-         if (options(i)%short /= '') name = options(i)%short//', '//trim(options(i)%name)
-         call print_row(name//' '//options(i)%value, options(i)%meaning)
+      do i = 1, N_OPTION
+         o = option(i)
+         if (.not. has_option(command, o)) cycle
+         short = ''
+         if (o%short /= '') short = o%short//', '
+         call print_row(short//trim(o%name)//' '//o%value, o%meaning)
       end do
    end subroutine print_options
 

@@ -1,12 +1,19 @@
 !> THE tables of the command line: commands and options. The parser and the help are driven by them;
-!> what does not exist has no row. To add an option: a row here, and its use in the command.
+!> what does not exist has no row. To add an option of a run: see kj_run_option. To add another: a
+!> row here, and its use in the command.
+!>
+!> One file: the tables, and the parser that they drive.
 module kj_option
+   use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_INPUT
+   use kj_number, only: parse_real, NUMBER_FINE
    use kj_spelling, only: edit_distance
+   use kj_run_option, only: run_options, describe_run_option
    implicit none
    private
 
-   public :: command_t, option_t, word_t, arguments_t, parse_arguments, has_option, did_you_mean
+   public :: command_t, option_t, word_t, arguments_t, parse_arguments, option, has_option, &
+      option_real, option_list, did_you_mean
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
       CMD_CONVERT = 5, CMD_INFO = 6, CMD_LIST = 7, CMD_HELP = 8, CMD_VERSION = 9
@@ -42,12 +49,9 @@ module kj_option
                 'print the version')]
 
    integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, &
-      OPT_FORMULATION = 4, OPT_INTEGRATOR = 5, OPT_DT_RULE = 6, OPT_DT_SCALE = 7, &
-      OPT_UNTIL = 8, OPT_SAMPLE = 9, OPT_ENERGY_LIMIT = 10, OPT_IGNORE = 11, &
-      OPT_REPRODUCIBLE = 12, OPT_QUIET = 13, OPT_VERBOSE = 14, OPT_JSON = 15, OPT_PROFILE = 16, &
-      OPT_RTOL = 17, OPT_INTERP = 18, OPT_WINDOW = 19, OPT_METRICS = 20, OPT_JUNIT = 21, &
-      OPT_KN_SCALE = 22, OPT_ERROR = 23, OPT_SCALES = 24, OPT_STIFFNESS = 25, OPT_THREADS = 26, &
-      OPT_ISLANDS = 27
+      OPT_REPRODUCIBLE = 4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, &
+      OPT_RTOL = 9, OPT_INTERP = 10, OPT_WINDOW = 11, OPT_METRICS = 12, OPT_JUNIT = 13, &
+      OPT_ERROR = 14, OPT_SCALES = 15, OPT_STIFFNESS = 16
 
    !> One option of one command or more
    type :: option_t
@@ -56,10 +60,10 @@ module kj_option
       character(len=20) :: name            !! '--output'
       character(len=8)  :: value           !! what stands for its value in the help, '' = takes none
       character(len=30) :: commands        !! names of the commands that take it
-      character(len=70) :: meaning
+      character(len=150) :: meaning
    end type option_t
 
-   type(option_t), parameter, public :: options(*) = [ &
+   type(option_t), parameter :: own_options(*) = [ &
       !        id                short name                   value     commands
       option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert study', &
                'history (study: table) to write; default: as the deck or T01, here'), &
@@ -67,22 +71,6 @@ module kj_option
                'the starter deck, as Radioss users type it'), &
       option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run check', &
                'the scheme of Radioss, cycle by cycle: legacy, legacy, nodal'), &
-      option_t(OPT_FORMULATION,  '',   '--formulation',       'NAME',   'run check', &
-               'of the joints: consistent (default) or legacy'), &
-      option_t(OPT_INTEGRATOR,   '',   '--integrator',        'NAME',   'run', &
-               'of the bodies: split2 (default), liemid, rkmk4; legacy with legacy'), &
-      option_t(OPT_DT_RULE,      '',   '--dt-rule',           'NAME',   'run', &
-               'critical time step: safe (default), or nodal as Radioss has it'), &
-      option_t(OPT_DT_SCALE,     '',   '--dt-scale',          'S',      'run check', &
-               'fraction of the critical time step; default: that of /DT, or 0.9'), &
-      option_t(OPT_UNTIL,        '',   '--until',             'T',      'run check study', &
-               'end of the run, instead of that of the engine deck'), &
-      option_t(OPT_SAMPLE,       '',   '--sample',            'DT',     'run check study', &
-               'interval of the samples, instead of /TFILE; 0: every cycle'), &
-      option_t(OPT_ENERGY_LIMIT, '',   '--energy-limit',      'PCT',    'run', &
-               'stop with exit code 1 beyond this error; default 15, legacy: none'), &
-      option_t(OPT_IGNORE,       '',   '--ignore-unsupported', '',      'run check study', &
-               'warn about keywords out of scope instead of stopping'), &
       option_t(OPT_REPRODUCIBLE, '',   '--reproducible',      '',       'run', &
                'no dates or host in the history: equal runs are equal bytes'), &
       option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study', &
@@ -103,18 +91,15 @@ module kj_option
                'of max,nrmse,pearson,sprague-geers,iso18571: print these too'), &
       option_t(OPT_JUNIT,        '',   '--junit',             'FILE',   'diff', &
                'write the verdict of each channel as JUnit XML'), &
-      option_t(OPT_KN_SCALE,     '',   '--kn-scale',          'F',      'run', &
-               'factor on the stiffness of the blocked directions of all joints'), &
       option_t(OPT_ERROR,        '',   '--error',             'E',      'study', &
                'wanted error of positions and rotations, of their peaks; default 1e-3'), &
       option_t(OPT_SCALES,       '',   '--scales',            'LIST',   'study', &
                'of --dt-scale to try, longest first; default 0.9,0.45,0.225,0.1125'), &
       option_t(OPT_STIFFNESS,    '',   '--stiffness',         'LIST',   'study', &
-               'of --kn-scale to try beside 1; default 0.1,0.01'), &
-      option_t(OPT_THREADS,      '',   '--threads',           'N',      'run study', &
-               'threads of a run, runs of a study; default: OMP_NUM_THREADS, else 1'), &
-      option_t(OPT_ISLANDS,      '',   '--islands',           '',       'run', &
-               'parts that do not act on each other take their own time steps')]
+               'of --kn-scale to try beside 1; default 0.1,0.01')]
+
+   integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
+   integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)
 
    !> A word of the command line
    type :: word_t
@@ -126,11 +111,31 @@ module kj_option
       integer :: command = 0                       !! CMD_ constant
       integer :: n_operand = 0
       type(word_t) :: operand(2)                   !! the first n_operand are set
-      logical :: given(size(options)) = .false.    !! by OPT_ constant
-      type(word_t) :: value(size(options))         !! of options that take one
+      logical :: given(N_OPTION) = .false.         !! by OPT_ constant, then of a run
+      type(word_t) :: value(N_OPTION)              !! of options that take one
    end type arguments_t
 
 contains
+
+   !> An option by its row: those of the command line, then those of a run
+   pure function option(row) result(o)
+      integer, intent(in) :: row
+      type(option_t) :: o
+
+      integer :: i
+
+      if (row <= FIRST_RUN) then
+         o = own_options(row)
+         return
+      end if
+      associate (r => run_options(row - FIRST_RUN))
+         o = option_t(row, '', '--'//r%name, r%value, r%commands, &
+            describe_run_option(row - FIRST_RUN))
+      end associate
+      do i = 1, len(o%name)
+         if (o%name(i:i) == '_') o%name(i:i) = '-'
+      end do
+   end function option
 
    !> Turn the words of the command line into a command with operands and options
    !>
@@ -222,66 +227,133 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       character(len=:), allocatable :: name
-      integer :: row, equals
+      type(option_t) :: o
+      integer :: equals
 
       name = words(i)%s
       equals = index(name, '=')
       if (name(1:2) == '--' .and. equals > 0) name = name(:equals - 1)
-      call find_option(name, args%command, row, error)
+      call find_option(name, args%command, o, error)
       if (allocated(error)) return
-      if (args%given(row)) then
+      if (args%given(o%id)) then
          call fail(error, ERR_INPUT, name//' is given twice')
          return
       end if
-      args%given(row) = .true.
-      if (options(row)%value == '') then
+      args%given(o%id) = .true.
+      if (o%value == '') then
+         args%value(o%id)%s = '1'
          if (len(name) < len(words(i)%s)) call fail(error, ERR_INPUT, name//' takes no value')
-      else if (len(name) < len(words(i)%s)) then
-         args%value(row)%s = words(i)%s(equals + 1:)
-      else
-         if (i < size(words)) then
-            if (.not. is_option(words(i + 1)%s)) args%value(row) = words(i + 1)
-         end if
+         return
+      end if
+      args%value(o%id)%s = ''
+      if (len(name) < len(words(i)%s)) then
+         args%value(o%id)%s = words(i)%s(equals + 1:)
+      else if (i < size(words)) then
+         if (.not. is_option(words(i + 1)%s)) args%value(o%id) = words(i + 1)
          i = i + 1
       end if
-      if (options(row)%value == '' .or. allocated(error)) return
-      if (allocated(args%value(row)%s)) then
-         if (len(args%value(row)%s) > 0) return
-      end if
-      call fail(error, ERR_INPUT, name//' needs a value: '//name//' '//trim(options(row)%value))
+      if (len(args%value(o%id)%s) == 0) &
+         call fail(error, ERR_INPUT, name//' needs a value: '//name//' '//trim(o%value))
    end subroutine take_option
 
-   !> Row of an option that a command takes
-   subroutine find_option(name, command, row, error)
+   !> An option that a command takes
+   subroutine find_option(name, command, o, error)
       character(len=*), intent(in) :: name
       integer, intent(in) :: command
-      integer, intent(out) :: row
+      type(option_t), intent(out) :: o
       type(error_t), allocatable, intent(out) :: error
 
-      logical :: mine(size(options))
+      type(option_t) :: all(N_OPTION)
       integer :: i
 
-      mine = [(has_option(command, i), i=1, size(options))]
-      do row = 1, size(options)
-         if (options(row)%name /= name .and. options(row)%short /= name) cycle
-         if (mine(row)) return
+      all = [(option(i), i=1, N_OPTION)]
+      do i = 1, N_OPTION
+         o = all(i)
+         if (o%name /= name .and. o%short /= name) cycle
+         if (has_option(command, o)) return
          call fail(error, ERR_INPUT, '`'//trim(commands(command)%name)//'` has no option '//name)
-         error%hint = 'it is an option of: '//trim(options(row)%commands)
+         error%hint = 'it is an option of: '//trim(o%commands)
          return
       end do
       call fail(error, ERR_INPUT, 'unknown option '//name)
-      error%hint = did_you_mean(name, pack(options%name, mine))
+      error%hint = did_you_mean(name, pack(all%name, &
+         [(has_option(command, all(i)), i=1, N_OPTION)]))
       if (len(error%hint) == 0) &
          error%hint = '`kjoint help '//trim(commands(command)%name)//'` lists the options'
    end subroutine find_option
 
-   !> Whether a command takes the option of this row
-   pure logical function has_option(command, row)
-      integer, intent(in) :: command, row      !! CMD_ and OPT_ constant
+   !> Whether a command takes an option
+   pure logical function has_option(command, o)
+      integer, intent(in) :: command           !! CMD_ constant
+      type(option_t), intent(in) :: o
 
-      has_option = index(' '//trim(options(row)%commands)//' ', &
+      has_option = index(' '//trim(o%commands)//' ', &
                          ' '//trim(commands(command)%name)//' ') > 0
    end function has_option
+
+   !> Value of an option that takes a real number; `value` is kept when the option is not given
+   !>
+   !> Errors: ERR_INPUT when it is no number or below `least`
+   subroutine option_real(args, row, least, value, error)
+      type(arguments_t), intent(in) :: args
+      integer, intent(in) :: row               !! OPT_ constant
+      real(wp), intent(in) :: least
+      real(wp), intent(inout) :: value
+      type(error_t), allocatable, intent(out) :: error
+
+      type(option_t) :: o
+      integer :: status
+      real(wp) :: number
+
+      if (.not. args%given(row)) return
+      o = option(row)
+      call parse_real(args%value(row)%s, number, status)
+      if (status /= NUMBER_FINE) then
+         call fail(error, ERR_INPUT, trim(o%name)//' needs a number, not "'// &
+                   args%value(row)%s//'"')
+      else if (number < least) then
+         call fail(error, ERR_INPUT, trim(o%name)//' is too small: '// &
+                   args%value(row)%s)
+      else
+         value = number
+      end if
+   end subroutine option_real
+
+   !> Positive numbers with commas between them, descending; not allocated when the option is not
+   !> given
+   !>
+   !> Errors: ERR_INPUT when one is no number, not positive or larger than the one before it
+   subroutine option_list(args, row, list, error)
+      type(arguments_t), intent(in) :: args
+      integer, intent(in) :: row                 !! OPT_ constant
+      real(wp), allocatable, intent(inout) :: list(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      type(option_t) :: o
+      character(len=:), allocatable :: rest
+      real(wp) :: x
+      integer :: comma, status
+
+      if (.not. args%given(row)) return
+      allocate (list(0))
+      rest = args%value(row)%s//','
+      do while (len(rest) > 0)
+         comma = index(rest, ',')
+         call parse_real(rest(:comma - 1), x, status)
+         if (status == NUMBER_FINE .and. size(list) > 0) then
+            if (x >= list(size(list))) status = NUMBER_FINE + 1
+         end if
+         if (status /= NUMBER_FINE .or. .not. x > 0.0_wp) then
+            o = option(row)
+            call fail(error, ERR_INPUT, trim(o%name)// &
+               ' needs falling positive numbers with commas between them, not "'// &
+               args%value(row)%s//'"')
+            return
+         end if
+         list = [list, x]
+         rest = rest(comma + 1:)
+      end do
+   end subroutine option_list
 
    subroutine take_operand(word, args, error)
       type(word_t), intent(in) :: word

@@ -1,13 +1,11 @@
 !> `kjoint run`: options in, run, summary out.
 module kj_run_command
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, fail, str, add_finding, ERR_INPUT, ERR_FILE
+   use kj_error, only: error_t, finding_list_t, str, add_finding
    use kj_system, only: wall_clock
-   use kj_option_value, only: option_real, option_threads
-   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_LEGACY, OPT_FORMULATION, OPT_INTEGRATOR, &
-      OPT_DT_RULE, OPT_UNTIL, OPT_SAMPLE, OPT_DT_SCALE, OPT_ENERGY_LIMIT, OPT_KN_SCALE, &
-      OPT_IGNORE, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON, OPT_ISLANDS
-   use kj_terminal, only: print_line, print_error, may_colour, may_overwrite, STDERR
+   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_run_arguments, only: take_run_options, find_engine, exit_code
+   use kj_terminal, only: print_line, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_pair, json_findings
@@ -19,7 +17,7 @@ module kj_run_command
    implicit none
    private
 
-   public :: run_command, default_engine, check_end, take_options, exit_code
+   public :: run_command
 
    !> What came of a run
    type :: outcome_t
@@ -45,19 +43,14 @@ contains
       character(len=:), allocatable :: engine
 
       call watch_signals()
-      call take_options(args, options, error)
-      if (.not. allocated(error)) then
-         engine = default_engine(args%operand(1)%s)
-         if (args%n_operand == 2) engine = args%operand(2)%s
-         if (engine == '') call check_end(args, error)
-      end if
-      if (.not. allocated(error)) then
+      call take_run_options(args, options, error)
+      if (.not. allocated(error)) call find_engine(args, options, engine, error)
+      if (.not. allocated(error)) &
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
-      end if
       if (.not. args%given(OPT_JSON)) call print_findings(findings, may_colour(STDERR), &
          args%given(OPT_VERBOSE), args%given(OPT_QUIET))
       if (.not. allocated(error) .and. findings%n_error == 0) &
-         call advance(sim, args, command_line, outcome, error)
+         call advance(sim, args, command_line, options%threads, outcome, error)
       code = exit_code(findings, error)
       if (caught_signal() > 0) code = 128 + caught_signal()
       outcome%code = code
@@ -71,69 +64,12 @@ contains
       if (.not. args%given(OPT_QUIET) .and. allocated(outcome%verdict)) call print_summary(outcome)
    end subroutine run_command
 
-   !> ROOT_0001.rad where that is a file, else ''
-   function default_engine(starter) result(path)
-      character(len=*), intent(in) :: starter    !! ROOT_0000.rad
-      character(len=:), allocatable :: path
-
-      integer :: cut
-      logical :: exists
-
-      path = ''
-      cut = index(starter, '_0000.rad', back=.true.)
-      if (cut == 0) return
-      inquire (file=starter(:cut)//'0001.rad', exist=exists)
-      if (exists) path = starter(:cut)//'0001.rad'
-   end function default_engine
-
-   !> Without an engine deck the command line says when to end and to sample
-   !>
-   !> Errors: ERR_INPUT when it does not, unless there is no starter deck either
-   subroutine check_end(args, error)
-      type(arguments_t), intent(in) :: args
-      type(error_t), allocatable, intent(out) :: error
-
-      logical :: exists
-
-      inquire (file=args%operand(1)%s, exist=exists)
-      if (.not. exists .or. (args%given(OPT_UNTIL) .and. args%given(OPT_SAMPLE))) return
-      call fail(error, ERR_INPUT, 'no engine deck: '//args%operand(1)%s//' has none beside it')
-      error%hint = 'name one, or give --until T and --sample DT'
-   end subroutine check_end
-
-   !> Options of the command line as the library takes them
-   subroutine take_options(args, options, error)
-      type(arguments_t), intent(in) :: args
-      type(run_options_t), intent(out) :: options
-      type(error_t), allocatable, intent(out) :: error
-
-      if (args%given(OPT_FORMULATION)) options%formulation = args%value(OPT_FORMULATION)%s
-      if (args%given(OPT_INTEGRATOR)) options%integrator = args%value(OPT_INTEGRATOR)%s
-      if (args%given(OPT_DT_RULE)) options%dt_rule = args%value(OPT_DT_RULE)%s
-      if (args%given(OPT_LEGACY)) then
-         if (args%given(OPT_FORMULATION) .and. options%formulation /= 'legacy') call fail(error, &
-            ERR_INPUT, '--legacy does not go with --formulation '//args%value(OPT_FORMULATION)%s)
-         options%formulation = 'legacy'
-      end if
-      if (allocated(error)) return
-      options%ignore_unsupported = args%given(OPT_IGNORE)
-      options%islands = args%given(OPT_ISLANDS)
-      call option_real(args, OPT_UNTIL, 0.0_wp, options%until, error)
-      if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%sample, error)
-      if (.not. allocated(error)) &
-         call option_real(args, OPT_DT_SCALE, tiny(1.0_wp), options%dt_scale, error)
-      if (.not. allocated(error)) &
-         call option_real(args, OPT_ENERGY_LIMIT, 0.0_wp, options%energy_limit, error)
-      if (.not. allocated(error)) &
-         call option_real(args, OPT_KN_SCALE, tiny(1.0_wp), options%kn_scale, error)
-      if (.not. allocated(error)) call option_threads(args, options%threads, error)
-   end subroutine take_options
-
    !> The run itself
-   subroutine advance(sim, args, command_line, outcome, error)
+   subroutine advance(sim, args, command_line, threads, outcome, error)
       type(simulation_t), intent(inout) :: sim
       type(arguments_t), intent(in) :: args
       character(len=*), intent(in) :: command_line
+      integer, intent(in) :: threads
       type(outcome_t), intent(inout) :: outcome
       type(error_t), allocatable, intent(out) :: error
 
@@ -147,7 +83,7 @@ contains
       if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
       sink%reproducible = args%given(OPT_REPRODUCIBLE)
       sink%command_line = command_line
-      call option_threads(args, sink%n_threads, error)
+      sink%n_threads = threads
       outcome%history = sink%path
       show = SHOW_LISTING
       if (may_overwrite(STDERR) .and. .not. args%given(OPT_VERBOSE)) show = SHOW_STATUS
@@ -161,21 +97,6 @@ contains
       if (caught_signal() > 0) outcome%verdict = 'STOPPED BY USER'
       if (allocated(error)) outcome%verdict = 'ERROR TERMINATION'
    end subroutine advance
-
-   !> Exit code that findings and an error ask for
-   integer function exit_code(findings, error) result(code)
-      type(finding_list_t), intent(in) :: findings
-      type(error_t), intent(in), allocatable :: error
-
-      integer :: i
-
-      code = 0
-      if (findings%n_error > 0) code = ERR_INPUT
-      do i = 1, findings%n
-         if (findings%item(i)%code == ERR_FILE .and. findings%n_error > 0) code = ERR_FILE
-      end do
-      if (allocated(error)) code = error%code
-   end function exit_code
 
    subroutine print_summary(outcome)
       type(outcome_t), intent(in) :: outcome

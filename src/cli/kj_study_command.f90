@@ -1,16 +1,14 @@
 !> `kjoint study`: what accuracy costs for a deck.
 module kj_study_command
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_INPUT, ERR_FILE
-   use kj_number, only: parse_real, NUMBER_FINE
-   use kj_option_value, only: option_real, option_threads
-   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_UNTIL, OPT_SAMPLE, OPT_IGNORE, OPT_QUIET, &
-      OPT_JSON, OPT_ERROR, OPT_SCALES, OPT_STIFFNESS, OPT_THREADS
-   use kj_terminal, only: print_line, print_error, may_colour, STDERR
+   use kj_error, only: error_t, finding_list_t, add_finding, str
+   use kj_option, only: arguments_t, option_real, option_list, OPT_OUTPUT, OPT_QUIET, OPT_JSON, &
+      OPT_ERROR, OPT_SCALES, OPT_STIFFNESS
+   use kj_run_arguments, only: take_run_options, find_engine, exit_code
+   use kj_terminal, only: print_line, print_error, write_file, may_colour, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_pair, json_findings
-   use kj_run_command, only: default_engine, check_end, exit_code
    use kj_study, only: study_options_t, study_t, trial_t, watcher_t, run_study
    use kj_study_report, only: print_study, study_json, study_csv, trial_name
    implicit none
@@ -19,6 +17,7 @@ module kj_study_command
    public :: study_command
 
    real(wp), parameter :: WANTED_ERROR = 1.0e-3_wp
+   character(len=1), parameter :: EOL = new_line('a')
 
    !> Says on stderr which run is done; stops after a signal
    type, extends(watcher_t) :: teller_t
@@ -67,11 +66,7 @@ contains
 
       call watch_signals()
       call take_study_options(args, options, wanted, error)
-      if (.not. allocated(error)) then
-         engine = default_engine(args%operand(1)%s)
-         if (args%n_operand == 2) engine = args%operand(2)%s
-         if (engine == '') call check_end(args, error)
-      end if
+      if (.not. allocated(error)) call find_engine(args, options%run, engine, error)
       teller%quiet = args%given(OPT_QUIET) .or. args%given(OPT_JSON)
       if (.not. allocated(error)) &
          call run_study(args%operand(1)%s, engine, options, teller, study, findings, error)
@@ -80,8 +75,9 @@ contains
       if (well) then
          root = table_root(args)
          json = study_json(study, args%operand(1)%s, wanted)
-         call write_file(root//'.json', json, error)
-         if (.not. allocated(error)) call write_file(root//'.csv', study_csv(study), error)
+         call write_file(root//'.json', json//EOL, error)
+         if (.not. allocated(error)) call write_file(root//'.csv', study_csv(study)//EOL, &
+            error)
          well = .not. allocated(error)
       end if
       code = exit_code(findings, error)
@@ -109,53 +105,13 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       wanted = WANTED_ERROR
-      options%run%ignore_unsupported = args%given(OPT_IGNORE)
-      call option_real(args, OPT_UNTIL, 0.0_wp, options%run%until, error)
-      if (.not. allocated(error)) call option_real(args, OPT_SAMPLE, 0.0_wp, options%run%sample, &
-         error)
+      call take_run_options(args, options%run, error)
+      options%threads = options%run%threads       ! a run has one
+      options%run%threads = 1
       if (.not. allocated(error)) call option_real(args, OPT_ERROR, tiny(1.0_wp), wanted, error)
-      if (.not. allocated(error)) call option_list(args, OPT_SCALES, '--scales', &
-         options%dt_scale, error)
-      if (.not. allocated(error)) &
-         call option_list(args, OPT_STIFFNESS, '--stiffness', options%kn_scale, error)
-      if (allocated(error)) return
-      call option_threads(args, options%threads, error)
+      if (.not. allocated(error)) call option_list(args, OPT_SCALES, options%dt_scale, error)
+      if (.not. allocated(error)) call option_list(args, OPT_STIFFNESS, options%kn_scale, error)
    end subroutine take_study_options
-
-   !> Positive numbers with commas between them, descending; not allocated when the option is not
-   !> given
-   !>
-   !> Errors: ERR_INPUT when one is no number, not positive or larger than the one before it
-   subroutine option_list(args, row, name, list, error)
-      type(arguments_t), intent(in) :: args
-      integer, intent(in) :: row                 !! OPT_ constant
-      character(len=*), intent(in) :: name
-      real(wp), allocatable, intent(inout) :: list(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      character(len=:), allocatable :: rest
-      real(wp) :: x
-      integer :: comma, status
-
-      if (.not. args%given(row)) return
-      allocate (list(0))
-      rest = args%value(row)%s//','
-      do while (len(rest) > 0)
-         comma = index(rest, ',')
-         call parse_real(rest(:comma - 1), x, status)
-         if (status == NUMBER_FINE .and. size(list) > 0) then
-            if (x >= list(size(list))) status = NUMBER_FINE + 1
-         end if
-         if (status /= NUMBER_FINE .or. .not. x > 0.0_wp) then
-            call fail(error, ERR_INPUT, name// &
-               ' needs falling positive numbers with commas between them, not "'// &
-               args%value(row)%s//'"')
-            return
-         end if
-         list = [list, x]
-         rest = rest(comma + 1:)
-      end do
-   end subroutine option_list
 
    !> What -o says without .json or .csv, else ROOT_study of DECK_0000.rad, here
    function table_root(args) result(root)
@@ -176,20 +132,5 @@ contains
       if (cut > 1) root = root(:cut - 1)
       root = root//'_study'
    end function table_root
-
-   !> Errors: ERR_FILE when it cannot be written
-   subroutine write_file(path, text, error)
-      character(len=*), intent(in) :: path, text
-      type(error_t), allocatable, intent(out) :: error
-
-      integer :: unit, status
-
-      open (newunit=unit, file=path, action='write', status='replace', iostat=status)
-      if (status == 0) then
-         write (unit, '(a)', iostat=status) text
-         close (unit)
-      end if
-      if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//path)
-   end subroutine write_file
 
 end module kj_study_command

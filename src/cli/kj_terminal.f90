@@ -2,11 +2,12 @@
 module kj_terminal
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
+   use kj_error, only: error_t, fail, ERR_FILE
    implicit none
    private
 
-   public :: print_line, print_text, print_error, print_status, is_terminal, may_colour, &
-      may_overwrite, environment, quit
+   public :: print_line, print_text, write_file, print_error, print_status, is_terminal, &
+      may_colour, may_overwrite, environment, quit
 
    integer, parameter, public :: STDOUT = 1, STDERR = 2    !! streams
    character, parameter, public :: ESC = achar(27)
@@ -52,6 +53,25 @@ contains
       write (error_unit, '(a)') text
       flush (error_unit)
    end subroutine print_error
+
+   !> Write a text to a file
+   !>
+   !> Errors: ERR_FILE when that fails
+   subroutine write_file(path, text, error)
+      character(len=*), intent(in) :: path, text
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=200) :: why
+      integer :: unit, status
+
+      open (newunit=unit, file=path, access='stream', form='unformatted', status='replace', &
+            action='write', iostat=status, iomsg=why)
+      if (status == 0) then
+         write (unit, iostat=status, iomsg=why) text
+         close (unit)
+      end if
+      if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(why))
+   end subroutine write_file
 
    !> A line on stderr over the last one; an empty text takes that away
    subroutine print_status(text)

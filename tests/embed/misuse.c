@@ -177,7 +177,6 @@ static void element_level(void) {
 
 static void model_level(const char *deck) {
   kj_model *model = NULL;
-  kj_options o;
   kj_joints *joints = NULL;
   kj_body body;
   kj_joint_result r;
@@ -185,16 +184,22 @@ static void model_level(const char *deck) {
   int n, ids[9], e, c, nodes[2] = {100, 100};
 
   NULLS(kj_model_run(NULL, NULL, NULL));
-  NULLS(kj_options_init(NULL));
+  NULLS(kj_options_list(NULL, 0));
+  NULLS(kj_joint_type(2, text, sizeof text, NULL));
+  NULLS(kj_joint_type(99, text, sizeof text, ids));
+  NULLS(kj_model_options(NULL, text, sizeof text));
   kj_model_free(NULL);
   NEW(kj_model_load("there_is_no_such_0000.rad", NULL, NULL, &model, text, sizeof text), "");
   NEW(kj_model_load(NULL, NULL, NULL, &model, text, sizeof text), "null");
   NEW(kj_model_load(deck, NULL, NULL, NULL, text, sizeof text), "null");
-  kj_options_init(&o);
-  strcpy(o.formulation, "fast");
-  NEW(kj_model_load(deck, NULL, &o, &model, text, sizeof text), "fast");
-  memset(o.formulation, 'x', sizeof o.formulation); /* no zero at its end */
-  NEW(kj_model_load(deck, NULL, &o, &model, text, sizeof text), "formulation");
+  NEW(kj_model_load(deck, NULL, "formulation=fast", &model, text, sizeof text), "fast");
+  NEW(kj_model_load(deck, NULL, "until=1 fast=1", &model, text, sizeof text), "no option fast");
+  NEW(kj_model_load(deck, NULL, "until", &model, text, sizeof text), "until needs a value");
+  NEW(kj_model_load(deck, NULL, "until=0,1", &model, text, sizeof text), "a number");
+  NEW(kj_model_load(deck, NULL, "threads=0", &model, text, sizeof text), "whole number");
+  NEW(kj_model_load(deck, NULL, "islands=yes", &model, text, sizeof text), "1 or 0");
+  NEW(kj_model_load(deck, NULL, "formulation=legacy islands=1", &model, text, sizeof text),
+      "islands");
   if (kj_model_load(deck, NULL, NULL, &model, text, sizeof text) != KJ_OK) {
     printf("misuse.c: %s\n", text);
     failed++;

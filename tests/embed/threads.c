@@ -18,16 +18,13 @@ typedef struct {
 
 /* Model level: step a deck, with a load of the host; keep what joints and bodies do */
 static int run_model(job_t *job, int *n) {
-  kj_options o;
   kj_model *model = NULL;
   kj_joint_result r;
   kj_body b;
-  char text[500];
+  char text[500], options[50];
   int ids[20], n_body;
-  kj_options_init(&o);
-  strcpy(o.formulation, job->formulation);
-  o.until = 1.0;
-  if (kj_model_load(job->deck, NULL, &o, &model, text, sizeof text)) return 1;
+  snprintf(options, sizeof options, "formulation=%s until=1", job->formulation);
+  if (kj_model_load(job->deck, NULL, options, &model, text, sizeof text)) return 1;
   if (kj_model_start(model) || kj_model_body_count(model, &n_body)) return 2;
   if (kj_model_body_ids(model, 20, ids)) return 3;
   double push[3] = {1, 2, 3};

@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Each option of the table reaches a run from C, Python and the command line (Fortran:
+unit/test_run_option.pf). usage: test_options.py [KJOINT]"""
+import ctypes
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy as np
+
+import kjoint
+from kjoint._library import LIB
+
+PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
+DECK, ENGINE = (pathlib.Path(__file__).with_name(f"options_000{i}.rad") for i in range(2))
+BASE = dict(ignore_unsupported=1)
+# another value of each option, which changes the bits of the samples, or ends with a status
+OTHER = dict(formulation="legacy", integrator="liemid", dt_rule="nodal", dt_scale=0.3,
+             dt_max_scale=0.01, until=0.01, sample=0.01, energy_limit=1e-12, kn_scale=0.5,
+             ignore_unsupported=0, threads=2, least_share=1, islands=1)
+STATUS = dict(energy_limit=1, ignore_unsupported=2)
+# these two change the number of threads and no bit; what a scene of three bodies needs beside them
+THREADS = dict(threads=dict(least_share=1), least_share=dict(threads=2))
+
+
+def text_of(options):
+    return " ".join(f"{name}={value}" for name, value in options.items())
+
+
+def over_python(**options):
+    return kjoint.Model(DECK, ENGINE, **options).run()
+
+
+def over_c(**options):
+    model = kjoint.Model.__new__(kjoint.Model)
+    model._handle = ctypes.c_void_p()
+    model._new(LIB.kj_model_load, os.fsencode(DECK), os.fsencode(ENGINE),
+               text_of(options).encode())
+    return model.run()
+
+
+def words_of(options):
+    """As the command line has them."""
+    words = []
+    for name, value in options.items():
+        flag = kjoint.options()[name].kind == "flag"
+        words += ["--" + name.replace("_", "-")][:1 if value or not flag else 0]
+        words += [] if flag else [str(value)]
+    return words
+
+
+def samples(model):
+    return [model[channel] for channel in model.channels]
+
+
+def same(a, b):
+    return all(np.array_equal(x, y) for x, y in zip(samples(a), samples(b)))
+
+
+def tasks(process):
+    try:
+        return len(os.listdir(f"/proc/{process}/task"))
+    except OSError:
+        return 0
+
+
+class Options(unittest.TestCase):
+    def test_each_option_is_tried(self):
+        self.assertEqual(set(kjoint.options()), set(OTHER))
+
+    def test_each_reaches_a_run_from_python_and_c(self):
+        base = over_python(**BASE)
+        for name, value in OTHER.items():
+            for side in over_python, over_c:
+                with self.subTest(name=name, side=side.__name__):
+                    if name in STATUS:
+                        with self.assertRaises(kjoint.Error) as raised:
+                            side(**{**BASE, name: value})
+                        self.assertEqual(raised.exception.status, STATUS[name])
+                        continue
+                    if name == "threads" and not openmp():
+                        continue
+                    run = side(**{**BASE, name: value})
+                    self.assertEqual(same(run, base), name in THREADS)
+                    arrived = run.options[name]
+                    self.assertEqual(arrived if isinstance(value, str) else float(arrived), value)
+
+    def test_each_reaches_a_run_from_the_command_line(self):
+        """It writes the history of the same options over Python."""
+        if not PROGRAM:
+            self.skipTest("no program")
+        with tempfile.TemporaryDirectory() as folder:
+            path, other = os.path.join(folder, "x.h5"), os.path.join(folder, "y.h5")
+            for name, value in OTHER.items():
+                if name == "threads" and not openmp():
+                    continue
+                with self.subTest(name=name):
+                    options = {**BASE, name: value}
+                    run = subprocess.run([PROGRAM, "run", str(DECK), "-q", "-o", path,
+                                          *words_of(options)], capture_output=True, check=False)
+                    self.assertEqual(run.returncode, STATUS.get(name, 0), run.stderr)
+                    if name not in STATUS:
+                        over_python(**options).write_history(other)
+                        diff = subprocess.run([PROGRAM, "diff", "--profile", "exact", other, path],
+                                              capture_output=True, check=False)
+                        self.assertEqual(diff.returncode, 0, diff.stdout)
+
+    def test_threads(self):
+        """One more thread with the option than without, on each side."""
+        if not openmp() or not tasks("self"):
+            self.skipTest("no OpenMP, or a system that does not tell the threads")
+        for name, beside in THREADS.items():
+            for side in ("over_python", "over_c", "program")[:3 if PROGRAM else 2]:
+                with self.subTest(name=name, side=side):
+                    with_it, without = (most_threads(side, {**BASE, **beside, **more, "dt_scale": 0.01})
+                                        for more in ({name: OTHER[name]}, {}))
+                    self.assertEqual(with_it, without + 1)
+
+
+def openmp():
+    with open("/proc/self/maps") as maps:
+        return "libgomp" in maps.read()
+
+
+def most_threads(side, options):
+    """Threads of a process that runs the deck."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    command = [sys.executable, os.path.abspath(__file__), "--run", side, text_of(options)]
+    if side == "program":
+        command = [PROGRAM, "run", str(DECK), "-q", "-o", "threads.h5", *words_of(options)]
+    most = 0
+    with tempfile.TemporaryDirectory() as folder, \
+            subprocess.Popen(command, env=environment, cwd=folder) as process:
+        while process.poll() is None:
+            most = max(most, tasks(process.pid))
+            time.sleep(1e-3)
+    return most
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--run"]:
+        globals()[sys.argv[2]](**dict(word.split("=") for word in sys.argv[3].split()))
+    else:
+        unittest.main(argv=sys.argv[:1])
