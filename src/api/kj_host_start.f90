@@ -3,7 +3,7 @@ module kj_host_start
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
-   use kj_math3, only: cross
+   use kj_math3, only: quaternion_product
    use kj_joint_batch, only: is_spring
    use kj_legacy_state, only: new_legacy_state
    use kj_consistent_body, only: columns
@@ -194,7 +194,7 @@ contains
       real(wp), intent(in) :: p(4), q(4)
       real(wp) :: own(4)
 
-      own = product_of([p(1), -p(2:4)], q)
+      own = quaternion_product([p(1), -p(2:4)], q)
    end function seen_from
 
    !> Attitude `own` in the axes of attitude p, seen from the world: p own
@@ -202,16 +202,8 @@ contains
       real(wp), intent(in) :: p(4), own(4)
       real(wp) :: q(4)
 
-      q = product_of(p, own)
+      q = quaternion_product(p, own)
       q = q/norm2(q)
    end function turned
-
-   pure function product_of(a, b) result(c)
-      real(wp), intent(in) :: a(4), b(4)
-      real(wp) :: c(4)
-
-      c(1) = a(1)*b(1) - dot_product(a(2:4), b(2:4))
-      c(2:4) = a(1)*b(2:4) + b(1)*a(2:4) + cross(a(2:4), b(2:4))
-   end function product_of
 
 end module kj_host_start

@@ -13,11 +13,7 @@ module kjoint
    use kj_error, only: error_t, finding_list_t, ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, &
       SEV_NOTE, SEV_WARNING, SEV_ERROR
    use kj_version, only: KJOINT_VERSION
-   use kj_model, only: model_t
-   use kj_legacy_state, only: legacy_state_t
-   use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_march, only: march_t
-   use kj_consistent_islands, only: part_t
+   use kj_consistent_state, only: consistent_model_t
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
@@ -25,6 +21,7 @@ module kjoint
    use kj_check, only: check_t, limit_row_t
    use kj_run_option, only: run_options_t, run_options, set_run_option, find_run_option, &
       read_run_options, write_run_options
+   use kj_scheme, only: scheme_t
    use kj_host, only: joint_set_t, joint_spec_t, joint_result_t
    use kj_host_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
    use kj_host_force, only: joint_forces, joint_stiffness, critical_step, joint_count, &
@@ -77,12 +74,7 @@ module kjoint
       private
       type(run_options_t) :: options
       type(consistent_model_t) :: model         !! legacy reads that of all, model_t
-      type(legacy_state_t) :: state   !! legacy: the state; consistent: what samples read
-      logical :: legacy = .false.
-      type(consistent_state_t) :: c_state
-      type(march_t) :: march
-      integer :: n_island = 0                   !! of a run by islands
-      type(part_t), allocatable :: part(:)      !! its parts; empty: one step for all
+      type(scheme_t) :: scheme                  !! formulation and state
       type(history_t) :: history
       type(sampler_t) :: sampler
       real(wp), allocatable :: row(:)           !! the last sample, where the sink has no room
@@ -100,7 +92,7 @@ module kjoint
       real(wp) :: attitude(4) = 0.0_wp          !! turn since the start, quaternion w x y z, W
       real(wp) :: velocity(3) = 0.0_wp          !! W
       real(wp) :: omega(3) = 0.0_wp             !! angular velocity, W [rad/time]
-      real(wp) :: force(3) = 0.0_wp             !! of joints and loads, gravity apart, W
+      real(wp) :: force(3) = 0.0_wp             !! of joints, loads and gravity, W
       real(wp) :: moment(3) = 0.0_wp            !! about the centre of gravity, W
    end type body_state_t
 
@@ -219,7 +211,7 @@ module kjoint
 
       !> A rigid body of a started scene. Errors: ERR_INPUT when there is none with this id.
       module subroutine body_state(sim, id, body, error)
-         type(simulation_t), intent(in) :: sim
+         type(simulation_t), intent(inout) :: sim
          integer, intent(in) :: id              !! user id of the /RBODY
          type(body_state_t), intent(out) :: body
          type(error_t), allocatable, intent(out) :: error
@@ -230,7 +222,7 @@ module kjoint
       !>
       !> Errors: ERR_INPUT when there is no node with this id.
       module subroutine node_position(sim, id, x, error)
-         type(simulation_t), intent(in) :: sim
+         type(simulation_t), intent(inout) :: sim
          integer, intent(in) :: id              !! user id
          real(wp), intent(out) :: x(3)
          type(error_t), allocatable, intent(out) :: error
@@ -238,7 +230,7 @@ module kjoint
 
       !> A joint of a started scene. Errors: ERR_INPUT when there is none with this id.
       module subroutine joint_state(sim, id, result, error)
-         type(simulation_t), intent(in) :: sim
+         type(simulation_t), intent(inout) :: sim
          integer, intent(in) :: id              !! user id of the /SPRING element
          type(joint_result_t), intent(out) :: result
          type(error_t), allocatable, intent(out) :: error

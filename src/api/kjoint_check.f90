@@ -3,8 +3,10 @@ submodule (kjoint) kjoint_check
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, has_friction
    use kj_curve, only: curve_set_t, law_value
+   use kj_model, only: model_t
+   use kj_consistent_state, only: consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
-   use kj_consistent_impact_step, only: step_factor
+   use kj_scheme, only: critical_factor
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_islands, only: find_islands, island_steps
    use kj_consistent_nodal_step, only: nodal_bound, exact_bound
@@ -23,7 +25,7 @@ contains
       call tell_stops(sim%model%model_t, report)
       call tell_bodies(sim%model%model_t, report)
       call tell_limits(sim%model%model_t, report)
-      if (.not. sim%legacy) report%factor = step_factor(sim%model)
+      report%factor = critical_factor(sim%scheme, sim%model)
    end procedure check_simulation
 
    !> Type, ends, frame, length, stiffness and damping of each joint
@@ -175,7 +177,6 @@ contains
       integer, allocatable :: island(:)
       integer :: n
 
-      report%factor = model%control%dt_factor
       ! a stiffness that nothing tells yet is left 0
       scene%model_t = model
       call start_scene(scene, .false., state, error)

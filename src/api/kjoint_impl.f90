@@ -1,17 +1,15 @@
 !> Bodies of the public module: loading a deck, and what the history says of it.
 submodule (kjoint) kjoint_impl
-   use kj_error, only: add_finding, fail, str
    use kj_run_option, only: settle_run_options
+   use kj_error, only: fail
    use kj_deck, only: read_deck, deck_t, source_t
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
    use kj_kn_scale, only: scale_blocking
-   use kj_legacy_warnings, only: warn_legacy
    use kj_joint_types, only: joint_types
-   use kj_joint_batch, only: has_friction
-   use kj_consistent_impact_step, only: step_factor
+   use kj_model, only: model_t
    use kj_sample, only: new_sampler
-   use kj_model, only: SCALE_MASS, SCALE_MASS_NEXT
+   use kj_scheme, only: choose_scheme, check_scene
    implicit none
 
 contains
@@ -26,7 +24,7 @@ contains
       sim%root = starter(:root_length(starter))
       call settle_run_options(sim%options, error)
       if (allocated(error)) return
-      sim%legacy = sim%options%formulation == 'legacy'
+      call choose_scheme(sim%options, sim%scheme)
       call read_deck(starter, deck, findings, options%ignore_unsupported)
       if (options%until >= 0.0_wp .and. len(engine) == 0) then
          controls%t_stop = options%until
@@ -36,7 +34,7 @@ contains
          call read_engine(path, controls, engine_source, findings, options%ignore_unsupported)
       end if
       if (.not. deck%readable) return
-      call build_model(deck, controls, sim%model%model_t, findings, sim%legacy)
+      call build_model(deck, controls, sim%model%model_t, findings, sim%scheme%legacy)
       if (findings%n_error > 0) return
       associate (c => sim%model%control)
          if (options%until >= 0.0_wp) c%t_stop = options%until
@@ -47,59 +45,17 @@ contains
          c%dt_ini = options%dt_max_scale*c%dt_ini
          c%dt_max = options%dt_max_scale*c%dt_max
          if (.not. c%t_stop >= 0.0_wp) call fail(error, ERR_INPUT, 'the end time is negative')
-         if (.not. sim%legacy .and. (c%below_min == SCALE_MASS .or. &
-            c%below_min == SCALE_MASS_NEXT)) &
-            call fail(error, ERR_INPUT, &
-               '/DT/NODA/CST adds mass: only the legacy formulation does that')
       end associate
       if (allocated(error)) return
       if (abs(options%kn_scale - 1.0_wp) > 0.0_wp) call scale_blocking(sim%model%model_t, &
          options%kn_scale)
-      if (sim%legacy) call warn_legacy(sim%model%model_t, findings)
-      if (options%dt_scale > 0.0_wp .and. .not. sim%legacy) &
-         call note_half_step(step_factor(sim%model), options%dt_scale, findings)
-      if (options%integrator == 'rkmk4') call refuse_path(sim%model%model_t, error)
+      call check_scene(sim%scheme, sim%model, options%dt_scale, findings, error)
       if (allocated(error)) return
       call describe(sim)
       call keep_inputs(deck, engine_source, sim%history)
       sim%load_scale = sim%model%cload%y_scale
       sim%loaded = .true.
    end procedure load_simulation
-
-   !> Say that a run takes less than the fraction of the critical step that is asked for
-   subroutine note_half_step(taken, asked, findings)
-      real(wp), intent(in) :: taken, asked
-      type(finding_list_t), intent(inout) :: findings
-
-      type(error_t), allocatable :: finding
-
-      if (taken >= asked) return
-      call fail(finding, ERR_INPUT, '--dt-scale is 0.5 at most where stops meet joints with '// &
-         'hardly any damping', 'KJ-9042')
-      finding%severity = SEV_NOTE
-      call add_finding(findings, finding)
-   end subroutine note_half_step
-
-   !> Friction and locks hold a state that only whole steps may change: rkmk4 evaluates between them
-   subroutine refuse_path(model, error)
-      type(model_t), intent(in) :: model
-      type(error_t), allocatable, intent(out) :: error
-
-      integer :: j
-
-      do j = 1, model%n_joint
-         associate (batch => model%batch(model%joint(j)%batch), place => model%joint(j)%place)
-            if (.not. batch%limited) cycle
-            associate (l => batch%limit)
-               if (.not. (l%t_lock(place) < huge(1.0_wp) .or. any(has_friction(l%k(place, :), &
-                  l%slip(place, :), l%slip_curve(place, :))))) cycle
-            end associate
-            call fail(error, ERR_INPUT, 'joint '//str(model%joint(j)%id)// &
-               ' has friction or a lock: these do not go with the integrator rkmk4')
-            return
-         end associate
-      end do
-   end subroutine refuse_path
 
    module procedure simulation_options
       options = sim%options
@@ -138,7 +94,7 @@ contains
 
       associate (h => sim%history, m => sim%model%model_t)
          h%title = m%title
-         h%legacy = sim%legacy
+         h%legacy = sim%scheme%legacy
          h%units = m%units
          if (m%control%sample > 0.0_wp) &
             h%n_expected = nint(min(1.0e6_wp, m%control%t_stop/m%control%sample)) + 2

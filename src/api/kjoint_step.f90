@@ -1,16 +1,12 @@
 !> A scene that its host steps, samples and asks.
 submodule (kjoint:kjoint_run) kjoint_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use kj_block, only: block_of, lane_of
    use kj_math3, only: to_quaternion
    use kj_joint_types, only: joint_types
    use kj_channels, only: channels, groups
-   use kj_consistent_body, only: columns
-   use kj_consistent_step, only: place_node
+   use kj_scheme, only: advance_to, take_step, node_place
    use kj_host_deck, only: take_model
    implicit none
-
-   integer, parameter :: CHUNK = 1000            !! cycles between two looks at the state
 
 contains
 
@@ -22,75 +18,25 @@ contains
          call fail(error, ERR_INPUT, 'islands march by themselves: a host steps one scene')
          return
       end if
-      sim%started = .false.
-      call new_legacy_state(sim%model%model_t, sim%state)
-      call place_state(sim%model, sim%state)
-      if (sim%legacy) then
-         call find_accelerations(sim%model%model_t, sim%state, .true., error)
-         if (.not. allocated(error)) call start_energy(sim)
-      else
-         call start_consistent(sim, error)
-         if (.not. allocated(error)) call renew_published(sim)
-      end if
+      call start_scheme(sim%model, sim%scheme, error)
       sim%started = .not. allocated(error)
    end procedure start_simulation
 
    module procedure advance_simulation
-      logical :: arrived
-
       call check_started(sim, error)
       if (.not. allocated(error) .and. .not. ieee_is_finite(until)) &
          call fail(error, ERR_INPUT, 'the time is not finite')
       if (allocated(error)) return
-      if (sim%legacy) then
-         do while (sim%state%time < until .and. .not. allocated(error))
-            call legacy_cycle(sim, error)
-         end do
-      else
-         arrived = .not. sim%c_state%time < until
-         do while (.not. (arrived .or. allocated(error)))
-            call march(sim%model, until, CHUNK, sim%march, sim%c_state, arrived)
-            call check_state(sim%model, sim%c_state, error)
-         end do
-         if (.not. allocated(error)) call renew_published(sim)
-      end if
+      call advance_to(until, sim%model, sim%scheme, error)
       sim%started = .not. allocated(error)
    end procedure advance_simulation
 
    module procedure step_simulation
-      real(wp) :: until
-      logical :: arrived
-
       call check_started(sim, error)
       if (allocated(error)) return
-      if (sim%legacy) then
-         call legacy_cycle(sim, error)
-      else
-         until = sim%c_state%time + sim%march%limit
-         call march(sim%model, until, 1, sim%march, sim%c_state, arrived)
-         call check_state(sim%model, sim%c_state, error)
-         if (.not. allocated(error)) call renew_published(sim)
-      end if
+      call take_step(sim%model, sim%scheme, error)
       sim%started = .not. allocated(error)
    end procedure step_simulation
-
-   !> A cycle from accelerations to accelerations, so that everything is known in between
-   subroutine legacy_cycle(sim, error)
-      type(simulation_t), intent(inout) :: sim
-      type(error_t), allocatable, intent(out) :: error
-
-      call advance(sim%model%model_t, sim%state, error)
-      if (.not. allocated(error)) call find_accelerations(sim%model%model_t, sim%state, .true., &
-         error)
-   end subroutine legacy_cycle
-
-   !> What samples and queries read
-   subroutine renew_published(sim)
-      type(simulation_t), intent(inout) :: sim
-
-      call balance_ledger(sim%model, sim%c_state)
-      call publish(sim%model, sim%march, sim%c_state, sim%state)
-   end subroutine renew_published
 
    subroutine check_started(sim, error)
       type(simulation_t), intent(in) :: sim
@@ -117,7 +63,7 @@ contains
             str(size(row)))
          return
       end if
-      call sample_row(sim%model%model_t, sim%state, sim%history, .false., sim%sampler, row, error)
+      call fill_row(sim, row, error)
    end procedure sample_simulation
 
    module procedure channel_values
@@ -157,16 +103,17 @@ contains
 
       call find_body(sim, id, b, error)
       if (allocated(error)) return
+      call show(sim%model, sim%scheme)
       body%id = id
-      associate (s => sim%state, m => sim%model%model_t)
+      associate (s => sim%scheme%now)
          body%mass = s%mass(b)
-         body%position = s%world%x(b, :)
-         p = matmul(reshape(s%p(b, :), [3, 3]), transpose(reshape(m%axes(b, :), [3, 3])))
+         body%position = s%x(b, :)
+         p = matmul(reshape(s%p(b, :), [3, 3]), transpose(reshape(sim%model%axes(b, :), [3, 3])))
          body%attitude = to_quaternion(p)
          body%velocity = s%v(b, :)
-         body%omega = s%world%w(b, :)
-         body%force = s%f(b, :) + s%f_own(b, :)
-         body%moment = s%m(b, :) + s%m_own(b, :)
+         body%omega = s%w(b, :)
+         body%force = s%f(b, :)
+         body%moment = s%m(b, :)
       end associate
    end procedure body_state
 
@@ -210,8 +157,7 @@ contains
       if (allocated(error)) return
       do i = 1, sim%model%n_node
          if (sim%model%node_id(i) /= id) cycle
-         x = sim%state%world%x(i, :)
-         if (.not. sim%legacy) x = place_node(sim%model, sim%c_state, i)
+         x = node_place(sim%model, sim%scheme, i)
          return
       end do
       call fail(error, ERR_INPUT, 'there is no node '//str(id))
@@ -222,20 +168,18 @@ contains
 
       call find_joint(sim, id, j, error)
       if (allocated(error)) return
-      associate (ref => sim%model%joint(j))
+      call show(sim%model, sim%scheme)
+      associate (ref => sim%model%joint(j), i => sim%model%joint(j)%place)
          result%id = id
          result%type = joint_types(ref%row)%id
-         associate (s => sim%state%joint(ref%batch), i => ref%place)
+         associate (s => sim%scheme%now%joint(ref%batch))
             result%force = s%f(i, :)
             result%displacement = s%q(i, :)
             result%frame = reshape(s%e(i, :), [3, 3])
             result%energy = s%energy(i)
+            result%dissipated = s%dissipated(i)
+            result%orthogonality = s%ortho(i)
          end associate
-         if (sim%legacy) return
-         associate (joint => sim%c_state%joint(ref%batch))
-            result%dissipated = joint%block(block_of(ref%place))%dissipated(lane_of(ref%place))
-         end associate
-         result%orthogonality = sim%state%ortho(sim%model%batch(ref%batch)%first + ref%place)
       end associate
    end procedure joint_state
 
@@ -246,7 +190,7 @@ contains
          call fail(error, ERR_INPUT, 'the set of joints is not new')
       else if (set%n_spec > 0 .or. set%model%curves%n > 0) then
          call fail(error, ERR_INPUT, 'the set already holds joints or curves')
-      else if (set%legacy .neqv. sim%legacy) then
+      else if (set%legacy .neqv. sim%scheme%legacy) then
          call fail(error, ERR_INPUT, 'the deck was loaded for another formulation than the set')
       end if
       if (allocated(error)) return

@@ -4,8 +4,8 @@ module kj_math3
    implicit none
    private
 
-   public :: cross, unit, rotation, rotation_vector, to_quaternion, to_quaternions, inverse3, &
-      turn_coefficients, angles
+   public :: cross, unit, rotation, rotation_vector, to_quaternion, to_quaternions, &
+      quaternion_product, inverse3, turn_coefficients, angles
 
    real(wp), parameter, public :: IDENTITY(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, &
       0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
@@ -122,6 +122,15 @@ contains
             c(1)*cross(phi, cross(phi, IDENTITY(:, j)))
       end do
    end function rotation
+
+   !> Product of two quaternions (w, x, y, z): the turn b, then the turn a
+   pure function quaternion_product(a, b) result(c)
+      real(wp), intent(in) :: a(4), b(4)
+      real(wp) :: c(4)
+
+      c(1) = a(1)*b(1) - dot_product(a(2:4), b(2:4))
+      c(2:4) = a(1)*b(2:4) + b(1)*a(2:4) + cross(a(2:4), b(2:4))
+   end function quaternion_product
 
    !> Unit quaternion (w, x, y, z), w >= 0, of a rotation matrix
    pure function to_quaternion(r) result(q)

@@ -4,7 +4,7 @@
 !> One file: conditions are gathered, projected and counted by the same rows.
 module kj_consistent_conditions
    use kj_kinds, only: wp
-   use kj_math3, only: rotation, to_quaternion, cross
+   use kj_math3, only: rotation, to_quaternion, quaternion_product, cross
    use kj_lapack, only: solve_dense
    use kj_curve, only: curve_set_t, load_value, curve_integral, curve_moment
    use kj_model, only: motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
@@ -366,8 +366,7 @@ contains
          w = state%kept%w(:, i)
          q = to_quaternion(rotation(h*w))
          p = state%kept%quat(:, i)
-         turned(1) = q(1)*p(1) - dot_product(q(2:4), p(2:4))
-         turned(2:4) = q(1)*p(2:4) + p(1)*q(2:4) + cross(q(2:4), p(2:4))
+         turned = quaternion_product(q, p)
          state%poses%quat(lead, :) = turned          ! at once: of a lead at rest others look at it
          state%l(lead, :) = matmul(inertia(model, state, lead), w)
       end do

@@ -22,7 +22,7 @@ module kj_consistent_islands
    implicit none
    private
 
-   public :: part_t, cut_scene, march_parts, gather_parts, gather_clock, joint_cycles
+   public :: part_t, cut_scene, march_parts, gather_parts, gather_clock
 
    real(wp), parameter :: ALIKE = 1.1_wp         !! largest ratio of the limits in a part
    real(wp), parameter :: NO_LIMIT = 1.0e15_wp   !! a step above this is none
@@ -211,9 +211,8 @@ contains
       end function work
    end subroutine march_parts
 
-   ! ---- The states of the parts of a scene put together, as if it had marched as one.
-
-   !> State, clock and ledger of the scene. All parts must stand at the same time.
+   !> State, clock and ledger of the scene as if it had marched as one. All parts must stand at the
+   !> same time.
    subroutine gather_parts(model, part, state, march)
       type(consistent_model_t), intent(in) :: model
       type(part_t), intent(inout) :: part(:)
@@ -224,8 +223,6 @@ contains
 
       state%f = 0.0_wp
       state%t = 0.0_wp
-      state%own_f = 0.0_wp
-      state%own_t = 0.0_wp
       state%impulse = 0.0_wp
       state%angular_impulse = 0.0_wp
       state%work = 0.0_wp
@@ -276,8 +273,6 @@ contains
          state%turn(body, :) = from%turn
          state%f(l, :) = state%f(l, :) + from%f
          state%t(l, :) = state%t(l, :) + from%t
-         state%own_f(l, :) = state%own_f(l, :) + from%own_f
-         state%own_t(l, :) = state%own_t(l, :) + from%own_t
          state%impulse(body, :) = state%impulse(body, :) + from%impulse
          state%angular_impulse(body, :) = state%angular_impulse(body, :) + from%angular_impulse
       end associate
@@ -322,17 +317,5 @@ contains
          b(lane_of(place(i)), :) = a(lane_of(i), :)
       end do
    end subroutine gather_batch
-
-   !> Steps of all joints so far
-   pure real(wp) function joint_cycles(part) result(n)
-      type(part_t), intent(in) :: part(:)
-
-      integer :: p
-
-      n = 0.0_wp
-      do p = 1, size(part)
-         n = n + real(part(p)%state%cycle, wp)*part(p)%model%n_joint
-      end do
-   end function joint_cycles
 
 end module kj_consistent_islands

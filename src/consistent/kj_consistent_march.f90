@@ -3,6 +3,7 @@
 !> Source: docs/theory/time_step.md 9; the ledger: docs/theory/consistent.md 13.
 module kj_consistent_march
    use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_skew, only: axis_of
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE, joint_batch_t
    use kj_joint_types, only: CHART_VECTOR
@@ -20,7 +21,7 @@ module kj_consistent_march
    implicit none
    private
 
-   public :: march_t, start_march, march, balance_ledger, close_ledger, full_turn
+   public :: march_t, start_march, march, balance_ledger, close_ledger, check_state
 
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3   !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
@@ -176,6 +177,34 @@ contains
          end if
       end do
    end subroutine take_steps
+
+   !> The state is still where the formulation holds.
+   !>
+   !> Errors: ERR_RUN when it is not finite, or a joint has come to a whole turn.
+   subroutine check_state(model, state, error)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: j, at
+
+      ! counted, as gfortran takes all() one by one
+      if (count(abs(state%v) <= huge(1.0_wp)) < size(state%v) .or. &
+         count(abs(state%l) <= huge(1.0_wp)) < size(state%l)) then
+         call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
+            str(state%cycle))
+         return
+      end if
+      at = full_turn(model, state)
+      if (at == 0) return
+      do j = 1, model%n_element
+         if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
+         call fail(error, ERR_RUN, 'joint '//str(model%joint(j)%id)// &
+            ' has come to a whole turn: '// &
+            'three free rotations with springs or a length end there (cycle '// &
+            str(state%cycle)//')')
+      end do
+   end subroutine check_state
 
    !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
    !> ends, and that has something that hangs on them; 0 when there is none

@@ -1,11 +1,13 @@
-!> Consistent state -> the arrays that sampling reads, all at time t.
+!> What the consistent formulation shows, all at time t.
 module kj_consistent_snapshot
    use kj_kinds, only: wp
    use kj_math3, only: cross, rotation_vector
    use kj_skew, only: skew_axes
-   use kj_legacy_state, only: legacy_state_t, OWNER_NONE, OWNER_JOINT
-   use kj_joint_batch, only: joint_state_t, joint_batch_t
+   use kj_snapshot, only: snapshot_t, shown_joints_t, show_owner, show_node, OWNER_NONE, &
+      OWNER_JOINT
+   use kj_energy, only: balance_of
    use kj_joint_types, only: CHART_UNIVERSAL
+   use kj_joint_batch, only: joint_batch_t, is_spring
    use kj_consistent_batch, only: consistent_joint_t, frame_of
    use kj_block, only: BLOCK, turn_frames
    use kj_consistent_chart, only: quaternion_frame
@@ -13,101 +15,103 @@ module kj_consistent_snapshot
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_conditions, only: body_matrix, held_force
-   use kj_consistent_load, only: field_at
    use kj_consistent_step, only: place_node
-   use kj_consistent_march, only: march_t
+   use kj_consistent_march, only: march_t, balance_ledger
+   use kj_consistent_islands, only: part_t, gather_parts
    implicit none
    private
 
-   public :: publish
+   public :: show_consistent, show_consistent_clock
 
    integer, parameter :: NEXT(4) = [2, 3, 1, 2]   !! direction after 1, 2, 3, 4
 
 contains
 
-   !> Fill what a row of the history needs
-   subroutine publish(model, march, cs, state)
+   !> Everything; the ledger of the state is balanced
+   subroutine show_consistent(model, march, state, part, now)
+      type(consistent_model_t), intent(in) :: model
+      type(march_t), intent(inout) :: march
+      type(consistent_state_t), intent(inout) :: state
+      type(part_t), intent(inout) :: part(:)     !! islands; none: the scene marches as one
+      type(snapshot_t), intent(inout) :: now
+
+      if (size(part) > 0) then
+         call gather_parts(model, part, state, march)
+      else
+         call balance_ledger(model, state)
+      end if
+      call show_consistent_clock(model, march, state, now)
+      now%work = state%work
+      now%energy_error = state%error
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      state%poses%v = state%v
+      call show_leads(model, state, now)
+      call show_nodes(model, state, now)
+      call show_joints(model, state, now)
+      call add_looseness(model, state, now)
+      call note_loosest(model, now)
+      now%balance = balance_of(model%model_t, now)
+   end subroutine show_consistent
+
+   !> Cycle, time, step and who limits it
+   subroutine show_consistent_clock(model, march, state, now)
       type(consistent_model_t), intent(in) :: model
       type(march_t), intent(in) :: march
-      type(consistent_state_t), intent(inout) :: cs
-      type(legacy_state_t), intent(inout) :: state
-
-      state%staggered = .false.
-      state%cycle = cs%cycle
-      state%time = cs%time
-      state%h2 = cs%h
-      if (cs%cycle == 0) state%h2 = min(march%limit, march%first)
-      state%work = cs%work
-      state%ledger_error = cs%error
-      call spin_velocity(model, cs%poses%quat, cs%l, 1, model%n_lead, cs%poses%w)
-      cs%poses%v = cs%v
-      call publish_leads(model, cs, state)
-      call publish_nodes(model, cs, state)
-      call publish_joints(model, cs, state)
-      call note_loosest(model, state)
-      call publish_owner(model, march, state)
-   end subroutine publish
-
-   subroutine publish_owner(model, march, state)
-      type(consistent_model_t), intent(in) :: model
-      type(march_t), intent(in) :: march
-      type(legacy_state_t), intent(inout) :: state
+      type(consistent_state_t), intent(in) :: state
+      type(snapshot_t), intent(inout) :: now
 
       integer :: j
 
-      state%owner_kind = OWNER_NONE
-      state%owner = 0
+      now%cycle = state%cycle
+      now%time = state%time
+      now%step = state%h
+      if (state%cycle == 0) now%step = min(march%limit, march%first)
+      call show_owner(model%model_t, OWNER_NONE, 0, now)
       if (march%joint == 0) return
       do j = 1, model%n_element
-         if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= march%joint) cycle
-         state%owner_kind = OWNER_JOINT
-         state%owner = j
+         if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place == march%joint) exit
       end do
-   end subroutine publish_owner
+      call show_owner(model%model_t, OWNER_JOINT, j, now)
+   end subroutine show_consistent_clock
 
-   subroutine publish_leads(model, cs, state)
+   subroutine show_leads(model, state, now)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: cs
-      type(legacy_state_t), intent(inout) :: state
+      type(consistent_state_t), intent(in) :: state
+      type(snapshot_t), intent(inout) :: now
 
       integer :: from
 
-      associate (n => model%n_lead)
-         state%world%x(:n, :) = cs%poses%x
-         state%world%w = cs%poses%w
-         state%v(:n, :) = cs%v
-         state%d(:n, :) = cs%poses%d
-         state%f = cs%f - cs%own_f
-         state%m = cs%t - cs%own_t
-         state%f_own = cs%own_f
-         state%m_own = cs%own_t
-      end associate
+      now%x = state%poses%x
+      now%v = state%v
+      now%w = state%poses%w
+      now%f = state%f
+      now%m = state%t
       do from = 1, model%n_lead, BLOCK
-         call publish_block(model, cs, from, min(BLOCK, model%n_lead - from + 1), state)
+         call show_block(model, state, from, min(BLOCK, model%n_lead - from + 1), now)
       end do
-      state%impulse = cs%impulse
-      state%angular_impulse = cs%angular_impulse
-      state%rotation_sum = cs%turn
-   end subroutine publish_leads
+      now%impulse = state%impulse
+      now%angular_impulse = state%angular_impulse
+      now%rotation_sum = state%turn
+   end subroutine show_leads
 
    !> Accelerations and principal axes of n leads from ...
-   subroutine publish_block(model, cs, from, n, state)
+   subroutine show_block(model, state, from, n, now)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: cs
+      type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: from, n
-      type(legacy_state_t), intent(inout) :: state
+      type(snapshot_t), intent(inout) :: now
 
       real(wp) :: q(BLOCK, 4), p(BLOCK, 9), f(BLOCK, 3), t(BLOCK, 3), l(BLOCK, 3), held(3, 2)
       integer :: i, k, to
 
       to = from + n - 1
-      q(:n, :) = cs%poses%quat(from:to, :)
+      q(:n, :) = state%poses%quat(from:to, :)
       call quaternion_frame(n, q, p)
-      f(:n, :) = cs%f(from:to, :)
-      l(:n, :) = cs%l(from:to, :)
-      associate (w => cs%poses%w(from:to, :))
+      f(:n, :) = state%f(from:to, :)
+      l(:n, :) = state%l(from:to, :)
+      associate (w => state%poses%w(from:to, :))
          do k = 1, 3
-            t(:n, k) = cs%t(from:to, k) - (w(:, NEXT(k))*l(:n, NEXT(k + 1)) - &
+            t(:n, k) = state%t(from:to, k) - (w(:, NEXT(k))*l(:n, NEXT(k + 1)) - &
                w(:, NEXT(k + 1))*l(:n, NEXT(k)))
          end do
       end associate
@@ -115,23 +119,23 @@ contains
          if (model%hold_of(from + i - 1) == 0) cycle
          held(:, 1) = f(i, :)
          held(:, 2) = t(i, :)
-         call held_force(model, cs, model%hold_of(from + i - 1), held(:, 1), held(:, 2))
+         call held_force(model, state, model%hold_of(from + i - 1), held(:, 1), held(:, 2))
          f(i, :) = held(:, 1)
          t(i, :) = held(:, 2)
       end do
       do k = 1, 3
-         state%a(from:to, k) = model%inverse_mass(from:to)*f(:n, k)
+         now%a(from:to, k) = model%inverse_mass(from:to)*f(:n, k)
          l(:n, k) = model%inverse_inertia(from:to, k)*(t(:n, 1)*p(:n, 3*k - 2) + t(:n, 2)*p(:n, &
             3*k - 1) + &
             t(:n, 3)*p(:n, 3*k))
       end do
       do k = 1, 3
-         state%al(from:to, k) = p(:n, k)*l(:n, 1) + p(:n, k + 3)*l(:n, 2) + p(:n, k + 6)*l(:n, 3)
+         now%al(from:to, k) = p(:n, k)*l(:n, 1) + p(:n, k + 3)*l(:n, 2) + p(:n, k + 6)*l(:n, 3)
       end do
       call turn_axes(min(n, model%n_body - from + 1), p, model%axes0(from:, :), model%axes(from:, &
          :), &
-         state%p(from:, :))
-   end subroutine publish_block
+         now%p(from:, :))
+   end subroutine show_block
 
    !> Principal axes from those at the start: p axes0^T axes
    pure subroutine turn_axes(n, p, axes0, axes, now)
@@ -158,91 +162,84 @@ contains
       end do
    end subroutine turn_axes
 
-   !> Secondary nodes of the history and of its skews from the poses
-   subroutine publish_nodes(model, cs, state)
+   !> Nodes of the history from the poses
+   subroutine show_nodes(model, state, now)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: cs
-      type(legacy_state_t), intent(inout) :: state
+      type(consistent_state_t), intent(in) :: state
+      type(snapshot_t), intent(inout) :: now
 
-      integer :: k, s, i
+      real(wp), dimension(3) :: r, x, d, v, a
+      integer :: k, lead
 
       do k = 1, size(model%th_node)
-         call publish_node(model, cs, model%th_node(k), state)
-         s = model%th_node_skew(k)
-         if (s == 0) cycle
-         if (model%skews%dir(s) == 0) cycle
-         do i = 1, 3
-            call publish_node(model, cs, model%skews%node(i, s), state)
-         end do
-         state%world%skew(s, :) = axes_now(model, state, s)
+         associate (node => model%th_node(k))
+            lead = model%lead(node)
+            x = now%x(lead, :)
+            d = state%poses%d(lead, :)
+            v = now%v(lead, :)
+            a = now%a(lead, :)
+            if (node /= lead) then
+               r = place_node(model, state, node) - x
+               x = x + r
+               d = d + (r - (model%x0(node, :) - model%x0(lead, :)))
+               v = v + cross(now%w(lead, :), r)
+               r = x - now%x(lead, :)
+               a = a + cross(now%al(lead, :), r) + cross(now%w(lead, :), cross(now%w(lead, :), r))
+            end if
+            call show_node(model%model_t, k, skew_now(model, state, model%th_node_skew(k)), x, d, &
+               v, now%w(lead, :), a, now%al(lead, :), now)
+         end associate
       end do
-   end subroutine publish_nodes
+   end subroutine show_nodes
 
-   pure function axes_now(model, state, s) result(axes)
+   !> Axes of a skew
+   pure function skew_now(model, state, s) result(axes)
       type(consistent_model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: s
       real(wp) :: axes(9)
 
-      associate (node => model%skews%node(:, s), x => state%world%x)
-         axes = skew_axes(model%skews%dir(s), x(node(1), :), x(node(2), :), x(node(3), :))
+      axes = model%skews%axes(s, :)
+      if (s == 0) return
+      associate (dir => model%skews%dir(s), node => model%skews%node(:, s))
+         if (dir > 0) axes = skew_axes(dir, place_node(model, state, node(1)), &
+            place_node(model, state, node(2)), place_node(model, state, node(3)))
       end associate
-   end function axes_now
+   end function skew_now
 
-   subroutine publish_node(model, cs, node, state)
+   subroutine show_joints(model, state, now)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: cs
-      integer, intent(in) :: node
-      type(legacy_state_t), intent(inout) :: state
-
-      real(wp) :: r(3), r0(3)
-      integer :: lead
-
-      lead = model%lead(node)
-      if (node == lead) return
-      r = place_node(model, cs, node) - cs%poses%x(lead, :)
-      r0 = model%x0(node, :) - model%x0(lead, :)
-      state%world%x(node, :) = cs%poses%x(lead, :) + r
-      state%d(node, :) = cs%poses%d(lead, :) + (r - r0)
-      state%v(node, :) = cs%v(lead, :) + cross(cs%poses%w(lead, :), r)
-   end subroutine publish_node
-
-   subroutine publish_joints(model, cs, state)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: cs
-      type(legacy_state_t), intent(inout) :: state
+      type(consistent_state_t), intent(in) :: state
+      type(snapshot_t), intent(inout) :: now
 
       integer :: b, j
 
       do b = 1, size(model%batch)
-         associate (joint => cs%joint(b), out => state%joint(b))
-            call publish_blocks(model%batch(b)%n, joint, out)
-            if (model%batch(b)%limited) out%k_block = model%batch(b)%limit%k_block
-            call joint_rates(model%batch(b), cs%poses, joint, out%qdot)
-            if (model%batch(b)%geometry%chart == CHART_UNIVERSAL) then
-               do j = 1, model%batch(b)%n
-                  out%e(j, :) = frame_of(model%batch(b), joint, j)
+         associate (batch => model%batch(b), geometry => model%batch(b)%geometry, &
+            joint => state%joint(b), shown => now%joint(b))
+            call show_blocks(batch%n, joint, shown)
+            if (batch%limited) shown%k_block = batch%limit%k_block
+            call joint_rates(batch, state%poses, joint, shown%rate)
+            shown%ortho = 0.0_wp
+            if (geometry%chart == CHART_UNIVERSAL) then
+               do j = 1, batch%n
+                  shown%e(j, :) = frame_of(batch, joint, j)
                end do
+               shown%ortho = skewness(shown%e)
             end if
-            call show_in_mean_frame(model%batch(b)%geometry%plain, out%e, out%q, out%f, out%qdot)
-            if (model%batch(b)%geometry%shifted) out%q(:, 4:6) = out%q(:, 4:6) + &
-               model%batch(b)%angle0
-            associate (ortho => state%ortho(model%batch(b)%first + 1:model%batch(b)%first + &
-               model%batch(b)%n))
-               ortho = 0.0_wp
-               if (model%batch(b)%geometry%chart == CHART_UNIVERSAL) ortho = skewness(out%e)
-            end associate
+            call show_in_mean_frame(geometry%plain, shown%e, shown%q, shown%f, shown%rate)
+            if (.not. is_spring(batch)) call show_lengths(batch%xl0, shown)
+            if (geometry%shifted) shown%q(:, 4:6) = shown%q(:, 4:6) + batch%angle0
          end associate
       end do
-      call add_looseness(model, cs, state)
-   end subroutine publish_joints
+   end subroutine show_joints
 
    !> Coordinates, forces, energies, what limits do, and the axes of the translations, which are the
    !> frames of all but universal joints
-   pure subroutine publish_blocks(n_joint, joint, out)
+   pure subroutine show_blocks(n_joint, joint, shown)
       integer, intent(in) :: n_joint
       type(consistent_joint_t), intent(in) :: joint
-      type(joint_state_t), intent(inout) :: out
+      type(shown_joints_t), intent(inout) :: shown
 
       integer :: at, from, to, n
 
@@ -251,23 +248,36 @@ contains
          to = min(at*BLOCK, n_joint)
          n = to - from + 1
          associate (lanes => joint%block(at))
-            out%q(from:to, :) = lanes%q(:n, :)
-            out%f(from:to, :) = lanes%fe(:n, :) + lanes%fd(:n, :)
-            out%energy(from:to) = lanes%elastic(:n) + lanes%dissipated(:n)
-            out%e(from:to, :) = lanes%b%force(:n, :)
+            shown%q(from:to, :) = lanes%q(:n, :)
+            shown%f(from:to, :) = lanes%fe(:n, :) + lanes%fd(:n, :)
+            shown%dissipated(from:to) = lanes%dissipated(:n)
+            shown%energy(from:to) = lanes%elastic(:n) + lanes%dissipated(:n)
+            shown%e(from:to, :) = lanes%b%force(:n, :)
          end associate
          if (.not. allocated(joint%limit)) cycle
          associate (limit => joint%limit(at))
-            out%f(from:to, :) = out%f(from:to, :) + limit%friction(:n, :)
-            out%friction(from:to, :) = limit%friction(:n, :)
-            out%slip_energy(from:to) = limit%slip_energy(:n)
-            out%stored(from:to) = limit%stored(:n)
-            out%locked(from:to) = limit%locked(:n) > 0.0_wp
-            out%q_lock(from:to, :) = limit%q_lock(:n, :)
-            out%flag(from:to, :) = nint(limit%flag(:n, :))
+            shown%f(from:to, :) = shown%f(from:to, :) + limit%friction(:n, :)
+            shown%slip_energy(from:to) = limit%slip_energy(:n)
+            shown%stored(from:to) = limit%stored(:n)
+            shown%flag(from:to, :) = nint(limit%flag(:n, :))
          end associate
       end do
-   end subroutine publish_blocks
+   end subroutine show_blocks
+
+   !> Node 2 is E (xl0 + q) from node 1
+   pure subroutine show_lengths(xl0, shown)
+      real(wp), intent(in) :: xl0(:, :)          !! (n, 3) offset at the start, J
+      type(shown_joints_t), intent(inout) :: shown
+
+      real(wp) :: u(3), r(3)
+      integer :: j
+
+      do j = 1, size(xl0, 1)
+         u = xl0(j, :) + shown%q(j, 1:3)
+         r = u(1)*shown%e(j, 1:3) + u(2)*shown%e(j, 4:6) + u(3)*shown%e(j, 7:9)
+         shown%length(j) = sqrt(r(1)**2 + r(2)**2 + r(3)**2)
+      end do
+   end subroutine show_lengths
 
    !> Angle by which the second and third axis miss a right angle [rad]
    pure function skewness(e) result(angle)
@@ -316,46 +326,40 @@ contains
       end do
    end subroutine show_in_mean_frame
 
-   !> The largest loss of orthogonality of all samples, and whose it is
-   subroutine note_loosest(model, state)
+   !> The largest loss of orthogonality of all times, and whose it is
+   subroutine note_loosest(model, now)
       type(consistent_model_t), intent(in) :: model
-      type(legacy_state_t), intent(inout) :: state
+      type(snapshot_t), intent(inout) :: now
 
-      real(wp) :: o
       integer :: j
 
       do j = 1, model%n_joint
-         associate (ref => model%joint(j))
-            o = state%ortho(model%batch(ref%batch)%first + ref%place)
+         associate (o => now%joint(model%joint(j)%batch)%ortho(model%joint(j)%place))
+            if (.not. o > now%loosest) cycle
+            now%loosest = o
+            now%loosest_joint = j
          end associate
-         if (.not. o > state%ortho_worst) cycle
-         state%ortho_worst = o
-         state%ortho_joint = j
       end do
    end subroutine note_loosest
 
    !> Turn of a loose skew away from the triad that its joint end carries
-   subroutine add_looseness(model, cs, state)
+   subroutine add_looseness(model, state, now)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: cs
-      type(legacy_state_t), intent(inout) :: state
+      type(consistent_state_t), intent(in) :: state
+      type(snapshot_t), intent(inout) :: now
 
-      real(wp) :: now(3, 3), then(3, 3), p(3, 3)
-      integer :: k, i, j, s, lead
+      real(wp) :: axes(3, 3), then(3, 3), p(3, 3)
+      integer :: k, s, lead
 
       do k = 1, size(model%loose, 2)
-         j = model%loose(1, k)
-         associate (ref => model%joint(j))
-            s = model%batch(ref%batch)%skew(ref%place, model%loose(2, k))
-            lead = model%batch(ref%batch)%lead(ref%place, model%loose(2, k))
-            do i = 1, 3
-               call publish_node(model, cs, model%skews%node(i, s), state)
-            end do
-            now = reshape(axes_now(model, state, s), [3, 3])
-            p = matmul(body_matrix(cs, lead), transpose(reshape(model%axes0(lead, :), [3, 3])))
+         associate (ref => model%joint(model%loose(1, k)), e => model%loose(2, k))
+            s = model%batch(ref%batch)%skew(ref%place, e)
+            lead = model%batch(ref%batch)%lead(ref%place, e)
+            axes = reshape(skew_now(model, state, s), [3, 3])
+            p = matmul(body_matrix(state, lead), transpose(reshape(model%axes0(lead, :), [3, 3])))
             then = matmul(p, reshape(model%skews%axes(s, :), [3, 3]))
-            associate (o => state%ortho(model%batch(ref%batch)%first + ref%place))
-               o = max(o, norm2(rotation_vector(matmul(transpose(then), now))))
+            associate (o => now%joint(ref%batch)%ortho(ref%place))
+               o = max(o, norm2(rotation_vector(matmul(transpose(then), axes))))
             end associate
          end associate
       end do

@@ -1,21 +1,19 @@
-!> Channel + state -> numbers: one row of a history at t(n), between the two halves of a cycle.
+!> Channel + snapshot -> numbers: one row of a history.
 module kj_sample
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INTERNAL
    use kj_joint_batch, only: SPRING8, has_limits
    use kj_model, only: model_t
-   use kj_legacy_state, only: legacy_state_t, OWNER_JOINT
-   use kj_legacy_load, only: gravity_at
-   use kj_energy, only: balance_t, balance_of, energy_error
+   use kj_snapshot, only: snapshot_t
    use kj_take, only: roster_t, new_roster, new_rosters
    use kj_sample_joint, only: sample_joints, sample_springs
    use kj_sample_body, only: sample_bodies
-   use kj_sample_node, only: sample_nodes
    use kj_history, only: history_t, add_variable
    use kj_channels, only: channels, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_KE_TRANS, CH_KE_ROT, &
       CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, CH_MOM_X, CH_MOM_Y, CH_MOM_Z, CH_ANG_X, &
       CH_ANG_Y, CH_ANG_Z, CH_MASS, CH_OWNER_KIND, CH_OWNER, CH_FINAL, CH_J_STATE, CH_J_GAP_ROT, &
-      CH_S_MOMENT, CH_S_ROT, OF_RUN, OF_JOINT, OF_BODY, OF_NODE, OF_SPRING
+      CH_S_MOMENT, CH_S_ROT, CH_N_POS, CH_N_DISP, CH_N_VEL, CH_N_ANGVEL, CH_N_ACC, CH_N_ANGACC, &
+      OF_RUN, OF_JOINT, OF_BODY, OF_NODE, OF_SPRING
    implicit none
    private
 
@@ -26,9 +24,6 @@ module kj_sample
       type(roster_t), allocatable :: joint(:), spring(:)     !! one a batch
       type(roster_t) :: body
       real(wp), allocatable :: orientation(:, :)   !! (4, n_body) last quaternions, for their sign
-      real(wp), allocatable :: gravity(:, :)       !! (n_lead, 3) acceleration at the sample
-      type(balance_t) :: balance                   !! of the last row
-      real(wp) :: energy_error = 0.0_wp            !! of the last row
    end type sampler_t
 
 contains
@@ -56,7 +51,6 @@ contains
       call new_roster(model%th_body, sampler%body)
       allocate (sampler%orientation(4, model%n_body), source=0.0_wp)
       sampler%orientation(1, :) = 1.0_wp
-      allocate (sampler%gravity(model%n_lead, 3), source=0.0_wp)
    end subroutine new_sampler
 
    !> A spring of the history has laws of rotation
@@ -82,9 +76,9 @@ contains
    end function any_limits
 
    !> Fill one row of a history
-   subroutine sample_row(model, state, history, final, sampler, row, error)
+   subroutine sample_row(model, now, history, final, sampler, row, error)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       type(history_t), intent(in) :: history
       logical, intent(in) :: final               !! a last state that is no regular sample
       type(sampler_t), intent(inout) :: sampler
@@ -93,45 +87,19 @@ contains
 
       integer :: i
 
-      sampler%balance = balance_of(model, state)
-      sampler%energy_error = state%ledger_error
-      if (state%staggered) then
-         sampler%energy_error = energy_error(state, sampler%balance)
-         call find_gravity(model, state, sampler%gravity)
-      end if
       do i = 1, size(history%variable)
          associate (v => history%variable(i))
-            call sample_variable(model, state, v%channel, final, v%n_comp, v%n_entity, sampler, &
+            call sample_variable(model, now, v%channel, final, v%n_comp, v%n_entity, sampler, &
                row(v%first:v%first + v%n_comp*v%n_entity - 1), error)
          end associate
          if (allocated(error)) return
       end do
    end subroutine sample_row
 
-   !> Acceleration of each lead by gravity; the consistent formulation has it in state%f_own
-   subroutine find_gravity(model, state, gravity)
-      type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
-      real(wp), intent(inout) :: gravity(:, :)   !! (n_lead, 3)
-
-      real(wp) :: g(3)
-      integer :: i, k
-
-      gravity = 0.0_wp
-      do i = 1, size(model%gravity)
-         g = gravity_at(model, state, model%gravity(i), state%time)
-         do k = 1, size(model%gravity(i)%node)
-            associate (lead => model%gravity(i)%node(k))
-               gravity(lead, :) = gravity(lead, :) + g
-            end associate
-         end do
-      end do
-   end subroutine find_gravity
-
    !> Fill what a row has of one variable
-   subroutine sample_variable(model, state, channel, final, n_comp, n_entity, sampler, y, error)
+   subroutine sample_variable(model, now, channel, final, n_comp, n_entity, sampler, y, error)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       integer, intent(in) :: channel, n_comp, n_entity
       logical, intent(in) :: final
       type(sampler_t), intent(inout) :: sampler
@@ -142,67 +110,66 @@ contains
 
       select case (channels(channel)%owner)
       case (OF_RUN)
-         y = run_value(model, state, sampler, channel, final)
+         y = run_value(now, channel, final)
       case (OF_JOINT)
          do i = 1, size(sampler%joint)
-            call sample_joints(model, state, channel, sampler%joint(i), y)
+            call sample_joints(model, now, channel, sampler%joint(i), y)
          end do
       case (OF_SPRING)
          do i = 1, size(sampler%spring)
-            call sample_springs(state, channel, sampler%spring(i), y)
+            call sample_springs(now, channel, sampler%spring(i), y)
          end do
       case (OF_BODY)
-         call sample_bodies(model, state, channel, sampler%body, sampler%gravity, &
-            sampler%orientation, y)
+         call sample_bodies(model, now, channel, sampler%body, sampler%orientation, y)
       case (OF_NODE)
-         call sample_nodes(model, state, channel, y)
+         call sample_nodes(now, channel, y)
       case default
          call fail(error, ERR_INTERNAL, 'no owner for channel row '//str(channel))
       end select
    end subroutine sample_variable
 
    !> Value of a channel of the whole scene
-   real(wp) function run_value(model, state, sampler, channel, final) result(y)
-      type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
-      type(sampler_t), intent(in) :: sampler
+   pure real(wp) function run_value(now, channel, final) result(y)
+      type(snapshot_t), intent(in) :: now
       integer, intent(in) :: channel
       logical, intent(in) :: final
 
       y = 0.0_wp
-      associate (b => sampler%balance)
+      associate (b => now%balance)
          select case (channel)
-         case (CH_TIME); y = state%time
-         case (CH_CYCLE); y = real(state%cycle, wp)
-         case (CH_TIME_STEP); y = state%h2
+         case (CH_TIME); y = now%time
+         case (CH_CYCLE); y = real(now%cycle, wp)
+         case (CH_TIME_STEP); y = now%step
          case (CH_KE_TRANS); y = b%kinetic_trans
          case (CH_KE_ROT); y = b%kinetic_rot
          case (CH_IE); y = b%internal
-         case (CH_WORK); y = state%work
+         case (CH_WORK); y = now%work
          case (CH_POTENTIAL); y = b%potential
-         case (CH_ENERGY_ERROR); y = sampler%energy_error
+         case (CH_ENERGY_ERROR); y = now%energy_error
          case (CH_MOM_X, CH_MOM_Y, CH_MOM_Z); y = b%momentum(channel - CH_MOM_X + 1)
          case (CH_ANG_X, CH_ANG_Y, CH_ANG_Z); y = b%angular_momentum(channel - CH_ANG_X + 1)
          case (CH_MASS); y = b%mass
-         case (CH_OWNER_KIND); y = real(state%owner_kind, wp)
-         case (CH_OWNER); if (state%owner_kind > 0) y = real(owner_id(model, state), wp)
+         case (CH_OWNER_KIND); y = real(now%owner_kind, wp)
+         case (CH_OWNER); y = real(now%owner, wp)
          case (CH_FINAL); y = merge(1.0_wp, 0.0_wp, final)
          end select
       end associate
    end function run_value
 
-   !> User id of the body, node or joint that limits the step
-   pure integer function owner_id(model, state) result(id)
-      type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+   !> A channel of the nodes of the history
+   pure subroutine sample_nodes(now, channel, y)
+      type(snapshot_t), intent(in) :: now
+      integer, intent(in) :: channel
+      real(wp), intent(inout) :: y(:, :)         !! (3, nodes of the history)
 
-      if (state%owner_kind == OWNER_JOINT) then
-         id = model%joint(state%owner)%id
-      else if (state%owner <= model%n_body) then
-         id = model%body_id(state%owner)
-      else
-         id = model%node_id(state%owner)
-      end if
-   end function owner_id
+      select case (channel)
+      case (CH_N_POS); y = now%node_x
+      case (CH_N_DISP); y = now%node_d
+      case (CH_N_VEL); y = now%node_v
+      case (CH_N_ANGVEL); y = now%node_w
+      case (CH_N_ACC); y = now%node_a
+      case (CH_N_ANGACC); y = now%node_al
+      end select
+   end subroutine sample_nodes
 
 end module kj_sample

@@ -1,10 +1,10 @@
-!> Channels of rigid bodies + state -> numbers.
+!> Channels of rigid bodies + snapshot -> numbers.
 module kj_sample_body
    use kj_kinds, only: wp
    use kj_math3, only: to_quaternions
    use kj_block, only: BLOCK
    use kj_model, only: model_t
-   use kj_legacy_state, only: legacy_state_t
+   use kj_snapshot, only: snapshot_t
    use kj_take, only: roster_t, take, take_block
    use kj_channels, only: CH_B_POS, CH_B_VEL, CH_B_ANGVEL, CH_B_ACC, CH_B_ANGACC, CH_B_FORCE, &
       CH_B_MOMENT, CH_B_IMPULSE, CH_B_ANGIMP, CH_B_ROTSUM, CH_B_ORIENT, CH_B_KE
@@ -16,61 +16,34 @@ module kj_sample_body
 contains
 
    !> A channel of the bodies of a roster
-   subroutine sample_bodies(model, state, channel, roster, gravity, last, y)
+   subroutine sample_bodies(model, now, channel, roster, last, y)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       integer, intent(in) :: channel
       type(roster_t), intent(in) :: roster
-      real(wp), intent(in) :: gravity(:, :)      !! (n_lead, 3) acceleration not in state%f_own
       real(wp), intent(inout) :: last(:, :)      !! (4, n_body) the quaternions of the row before
       real(wp), contiguous, intent(inout) :: y(:, :)     !! (components, bodies of the history)
 
-      integer :: i, c
-
       select case (channel)
-      case (CH_B_POS); call take(state%world%x, roster, y)
-      case (CH_B_VEL); call take(state%v, roster, y)
-      case (CH_B_ANGVEL); call take(state%world%w, roster, y)
-      case (CH_B_ACC); call take(state%a, roster, y)
-      case (CH_B_ANGACC); call take(state%al, roster, y)
-      case (CH_B_FORCE)
-         do i = 1, size(roster%place)
-            associate (j => roster%place(i), k => roster%entity(i))
-               do c = 1, 3
-                  y(c, k) = state%f(j, c) + state%f_own(j, c) + state%mass(j)*gravity(j, c)
-               end do
-            end associate
-         end do
-      case (CH_B_MOMENT)
-         do i = 1, size(roster%place)
-            associate (j => roster%place(i), k => roster%entity(i))
-               do c = 1, 3
-                  y(c, k) = state%m(j, c) + state%m_own(j, c)
-               end do
-            end associate
-         end do
-      case (CH_B_IMPULSE); call take(state%impulse, roster, y)
-      case (CH_B_ANGIMP); call take(state%angular_impulse, roster, y)
-      case (CH_B_ROTSUM)
-         call take(state%rotation_sum, roster, y)
-         if (state%staggered) then     ! this cycle's share is not there yet
-            do i = 1, size(roster%place)
-               associate (j => roster%place(i), k => roster%entity(i))
-                  do c = 1, 3
-                     y(c, k) = y(c, k) + state%h2*state%world%w(j, c)
-                  end do
-               end associate
-            end do
-         end if
-      case (CH_B_ORIENT); call orientations(model, state, roster, last, y)
-      case (CH_B_KE); call kinetic_energies(state, roster, y)
+      case (CH_B_POS); call take(now%x, roster, y)
+      case (CH_B_VEL); call take(now%v, roster, y)
+      case (CH_B_ANGVEL); call take(now%w, roster, y)
+      case (CH_B_ACC); call take(now%a, roster, y)
+      case (CH_B_ANGACC); call take(now%al, roster, y)
+      case (CH_B_FORCE); call take(now%f, roster, y)
+      case (CH_B_MOMENT); call take(now%m, roster, y)
+      case (CH_B_IMPULSE); call take(now%impulse, roster, y)
+      case (CH_B_ANGIMP); call take(now%angular_impulse, roster, y)
+      case (CH_B_ROTSUM); call take(now%rotation_sum, roster, y)
+      case (CH_B_ORIENT); call orientations(model, now, roster, last, y)
+      case (CH_B_KE); call kinetic_energies(now, roster, y)
       end select
    end subroutine sample_bodies
 
    !> Rotations from the pose at the start; a quaternion has the sign that is nearer to the last one
-   pure subroutine orientations(model, state, roster, last, y)
+   pure subroutine orientations(model, now, roster, last, y)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       type(roster_t), intent(in) :: roster
       real(wp), intent(inout) :: last(:, :)
       real(wp), contiguous, intent(inout) :: y(:, :)
@@ -84,7 +57,7 @@ contains
          n = min(BLOCK, size(roster%place) - first + 1)
          associate (body => roster%place(first:first + n - 1), entity => roster%entity(first:))
             call take_block(model%axes, body, from)
-            call take_block(state%p, body, to)
+            call take_block(now%p, body, to)
             do k = 1, 3
                do i = 1, 3
                   r(:, 3*(k - 1) + i) = to(:, i)*from(:, k) + to(:, i + 3)*from(:, k + 3) + &
@@ -93,17 +66,17 @@ contains
             end do
             call to_quaternions(BLOCK, r, q)
             do i = 1, n
-               associate (now => last(:, body(i)))
-                  now = sign(1.0_wp, dot_product(q(i, :), now))*q(i, :)
-                  y(:, entity(i)) = now
+               associate (quat => last(:, body(i)))
+                  quat = sign(1.0_wp, dot_product(q(i, :), quat))*q(i, :)
+                  y(:, entity(i)) = quat
                end associate
             end do
          end associate
       end do
    end subroutine orientations
 
-   pure subroutine kinetic_energies(state, roster, y)
-      type(legacy_state_t), intent(in) :: state
+   pure subroutine kinetic_energies(now, roster, y)
+      type(snapshot_t), intent(in) :: now
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
@@ -113,15 +86,15 @@ contains
       do i = 1, size(roster%place)
          body = roster%place(i)
          do k = 1, 3
-            v(k) = state%v(body, k) + 0.5_wp*state%h1*state%a(body, k)
-            w(k) = state%world%w(body, k) + 0.5_wp*state%h1*state%al(body, k)
+            v(k) = now%v(body, k) + now%lag*now%a(body, k)
+            w(k) = now%w(body, k) + now%lag*now%al(body, k)
          end do
          spin2 = 0.0_wp
          do k = 1, 3
-            spin2 = spin2 + state%principal(body, k)*(w(1)*state%p(body, 3*k - 2) + &
-               w(2)*state%p(body, 3*k - 1) + w(3)*state%p(body, 3*k))**2
+            spin2 = spin2 + now%principal(body, k)*(w(1)*now%p(body, 3*k - 2) + &
+               w(2)*now%p(body, 3*k - 1) + w(3)*now%p(body, 3*k))**2
          end do
-         y(1, roster%entity(i)) = 0.5_wp*(state%mass(body)*(v(1)**2 + v(2)**2 + v(3)**2) + spin2)
+         y(1, roster%entity(i)) = 0.5_wp*(now%mass(body)*(v(1)**2 + v(2)**2 + v(3)**2) + spin2)
       end do
    end subroutine kinetic_energies
 

@@ -1,4 +1,4 @@
-!> Channels of joints and springs + state -> numbers, batch by batch.
+!> Channels of joints and springs + snapshot -> numbers, batch by batch.
 module kj_sample_joint
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
@@ -6,9 +6,9 @@ module kj_sample_joint
    use kj_curve, only: curve_integral
    use kj_block, only: BLOCK
    use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS
-   use kj_joint_batch, only: joint_batch_t, joint_state_t, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
+   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, DOF_FREE, DOF_BLOCKED
    use kj_model, only: model_t
-   use kj_legacy_state, only: legacy_state_t
+   use kj_snapshot, only: snapshot_t, shown_joints_t
    use kj_take, only: roster_t, take, take_block
    use kj_channels, only: CH_J_FORCE, CH_J_MOMENT, CH_J_DISP, CH_J_ROT, CH_J_VEL, CH_J_ANGVEL, &
       CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, CH_J_FRAME, &
@@ -22,36 +22,31 @@ module kj_sample_joint
 contains
 
    !> A channel of the joints of a roster
-   subroutine sample_joints(model, state, channel, roster, y)
+   subroutine sample_joints(model, now, channel, roster, y)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       integer, intent(in) :: channel
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)     !! (components, joints of the history)
 
-      associate (b => model%batch(roster%batch), s => state%joint(roster%batch))
+      associate (b => model%batch(roster%batch), s => now%joint(roster%batch))
          select case (channel)
          case (CH_J_FORCE); call take(s%f(:, 1:3), roster, y)
          case (CH_J_MOMENT); call take(s%f(:, 4:6), roster, y)
          case (CH_J_DISP); call take(s%q(:, 1:3), roster, y)
          case (CH_J_ROT); call take(s%q(:, 4:6), roster, y)
-         case (CH_J_VEL); call take(s%qdot(:, 1:3), roster, y)
-         case (CH_J_ANGVEL); call take(s%qdot(:, 4:6), roster, y)
+         case (CH_J_VEL); call take(s%rate(:, 1:3), roster, y)
+         case (CH_J_ANGVEL); call take(s%rate(:, 4:6), roster, y)
          case (CH_J_IE); call take(s%energy, roster, y)
          case (CH_J_ELASTIC); call elastic_energies(model, b, s, roster, y)
          case (CH_J_DISSIPATED)
             call elastic_energies(model, b, s, roster, y)
             y(1, roster%entity) = s%energy(roster%place) - y(1, roster%entity)
-         case (CH_J_LENGTH); call lengths(b, state%world%x, roster, y)
+         case (CH_J_LENGTH); call take(s%length, roster, y)
          case (CH_J_VIOL_T); call violations(joint_types(b%row)%free(1:3), s%q(:, 1:3), roster, y)
          case (CH_J_VIOL_R); call violations(joint_types(b%row)%free(4:6), s%q(:, 4:6), roster, y)
          case (CH_J_FRAME); call frames(s%e, b%frame, roster, y)
-         case (CH_J_ORTHO)
-            if (allocated(state%ortho)) then
-               call take(state%ortho(b%first + 1:b%first + b%n), roster, y)
-            else
-               call losses_of_orthogonality(s%e, roster, y)
-            end if
+         case (CH_J_ORTHO); call take(s%ortho, roster, y)
          case (CH_J_STATE); call states(joint_types(b%row)%free, s, roster, y)
          case (CH_J_FRICTION)
             if (allocated(s%slip_energy)) then
@@ -59,20 +54,20 @@ contains
             else
                y(:, roster%entity) = 0.0_wp
             end if
-         case (CH_J_GAP); call gaps_of(b, state%staggered, s%q, 1, roster, y)
-         case (CH_J_GAP_ROT); call gaps_of(b, state%staggered, s%q, 4, roster, y)
+         case (CH_J_GAP); call gaps_of(b, now%stops_alone, s%q, 1, roster, y)
+         case (CH_J_GAP_ROT); call gaps_of(b, now%stops_alone, s%q, 4, roster, y)
          end select
       end associate
    end subroutine sample_joints
 
    !> A channel of the springs of a roster
-   subroutine sample_springs(state, channel, roster, y)
-      type(legacy_state_t), intent(in) :: state
+   subroutine sample_springs(now, channel, roster, y)
+      type(snapshot_t), intent(in) :: now
       integer, intent(in) :: channel
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)     !! (components, springs of the history)
 
-      associate (s => state%joint(roster%batch))
+      associate (s => now%joint(roster%batch))
          select case (channel)
          case (CH_S_FORCE); call take(s%f(:, 1:3), roster, y)
          case (CH_S_MOMENT); call take(s%f(:, 4:6), roster, y)
@@ -88,7 +83,7 @@ contains
    pure subroutine elastic_energies(model, b, s, roster, y)
       type(model_t), intent(in) :: model
       type(joint_batch_t), intent(in) :: b
-      type(joint_state_t), intent(in) :: s
+      type(shown_joints_t), intent(in) :: s
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
@@ -119,23 +114,6 @@ contains
       end do
       y(1, roster%entity) = u
    end subroutine elastic_energies
-
-   !> Distance of the two nodes
-   pure subroutine lengths(b, x, roster, y)
-      type(joint_batch_t), intent(in) :: b
-      real(wp), intent(in) :: x(:, :)            !! (n_node, 3)
-      type(roster_t), intent(in) :: roster
-      real(wp), contiguous, intent(inout) :: y(:, :)
-
-      integer :: i
-
-      do i = 1, size(roster%place)
-         associate (n1 => b%node(roster%place(i), 1), n2 => b%node(roster%place(i), 2))
-            y(1, roster%entity(i)) = sqrt((x(n2, 1) - x(n1, 1))**2 + (x(n2, 2) - x(n1, 2))**2 + &
-               (x(n2, 3) - x(n1, 3))**2)
-         end associate
-      end do
-   end subroutine lengths
 
    !> Norm of the displacements, or of the rotations, that are blocked
    pure subroutine violations(free, q, roster, y)
@@ -181,31 +159,10 @@ contains
       end do
    end subroutine frames
 
-   !> Largest angle by which two axes of a frame miss a right angle [rad]
-   pure subroutine losses_of_orthogonality(e, roster, y)
-      real(wp), contiguous, intent(in) :: e(:, :)        !! (n, 9)
-      type(roster_t), intent(in) :: roster
-      real(wp), contiguous, intent(inout) :: y(:, :)
-
-      real(wp) :: most
-      integer :: i, j, k, l
-
-      do i = 1, size(roster%place)
-         j = roster%place(i)
-         most = 0.0_wp
-         do k = 0, 6, 3
-            l = modulo(k + 3, 9)
-            most = max(most, abs(e(j, k + 1)*e(j, l + 1) + e(j, k + 2)*e(j, l + 2) + &
-               e(j, k + 3)*e(j, l + 3)))
-         end do
-         y(1, roster%entity(i)) = asin(min(1.0_wp, most))
-      end do
-   end subroutine losses_of_orthogonality
-
    !> What each direction does: DOF_ constants
    pure subroutine states(free, s, roster, y)
       integer, intent(in) :: free(NDOF)
-      type(joint_state_t), intent(in) :: s
+      type(shown_joints_t), intent(in) :: s
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
@@ -217,9 +174,9 @@ contains
       end do
    end subroutine states
 
-   pure subroutine gaps_of(b, legacy, q, first, roster, y)
+   pure subroutine gaps_of(b, alone, q, first, roster, y)
       type(joint_batch_t), intent(in) :: b
-      logical, intent(in) :: legacy
+      logical, intent(in) :: alone
       real(wp), contiguous, intent(in) :: q(:, :)        !! (n, 6)
       integer, intent(in) :: first               !! 1 or 4
       type(roster_t), intent(in) :: roster
@@ -230,15 +187,15 @@ contains
 
       do i = 1, size(roster%place)
          x = q(roster%place(i), first:first + 2)
-         y(:, roster%entity(i)) = gaps(b, legacy, roster%place(i), x, first)
+         y(:, roster%entity(i)) = gaps(b, alone, roster%place(i), x, first)
       end do
    end subroutine gaps_of
 
    !> How far three directions are from their nearest stop; negative beyond it. Combined stops have
-   !> one radius, the least of theirs, but each its own under legacy.
-   pure function gaps(batch, legacy, j, x, first) result(gap)
+   !> one radius, the least of theirs, or each its own (alone).
+   pure function gaps(batch, alone, j, x, first) result(gap)
       type(joint_batch_t), intent(in) :: batch
-      logical, intent(in) :: legacy
+      logical, intent(in) :: alone
       integer, intent(in) :: j, first            !! joint of the batch; 1 or 4
       real(wp), intent(in) :: x(3)
       real(wp) :: gap(3)
@@ -255,7 +212,7 @@ contains
       where (lo < 0.0_wp) gap = merge(min(gap, x - lo), x - lo, hi > 0.0_wp)
       if (.not. any(combined)) return
       where (combined) gap = 0.5_wp*(hi - lo) - norm2(pack(x - 0.5_wp*(lo + hi), combined))
-      if (.not. legacy) where (combined) gap = minval(gap, mask=combined)
+      if (.not. alone) where (combined) gap = minval(gap, mask=combined)
    end function gaps
 
 end module kj_sample_joint

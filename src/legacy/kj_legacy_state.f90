@@ -12,6 +12,7 @@ module kj_legacy_state
    use kj_legacy_force, only: world_t
    use kj_joint_batch, only: joint_state_t, new_joint_state
    use kj_gravity, only: gravity_t, new_gravity
+   use kj_snapshot, only: OWNER_NONE
    implicit none
    private
 
@@ -21,8 +22,6 @@ module kj_legacy_state
    real(wp), parameter, public :: NO_LIMIT = 1.0e6_wp   !! step of a scene that nothing limits
    !> largest growth of the step, single precision
    real(wp), parameter, public :: GROWTH = real(1.1, wp)
-
-   integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2, OWNER_JOINT = 3
 
    !> Secondary nodes that joints, skews, loads or the history read, lead by lead
    type :: crew_t
@@ -40,12 +39,6 @@ module kj_legacy_state
       real(wp) :: h1 = 0.0_wp, h2 = 0.0_wp, h12 = 0.0_wp   !! step before, after, their mean
       real(wp) :: h_old = 0.0_wp                          !! memory of the growth limit
       integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: index of lead or joint
-      logical :: staggered = .true.                       !! v, w half a step before x (legacy)
-      !> energy error of the consistent formulation
-      real(wp) :: ledger_error = 0.0_wp
-      real(wp), allocatable :: ortho(:)                 !! (n_element) loss of orthogonality [rad]
-      real(wp) :: ortho_worst = 0.0_wp                    !! the largest of all samples [rad]
-      integer :: ortho_joint = 0                          !! index of its joint
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
       logical :: sampling = .false.                       !! keep what only samples need
       logical :: behind = .false.                         !! positions, v and w are still to move

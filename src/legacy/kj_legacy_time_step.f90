@@ -3,7 +3,8 @@
 module kj_legacy_time_step
    use kj_kinds, only: wp
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW
-   use kj_legacy_state, only: legacy_state_t, NO_LIMIT, GROWTH, OWNER_NONE, OWNER_NODE, OWNER_BODY
+   use kj_snapshot, only: OWNER_NONE, OWNER_NODE, OWNER_BODY
+   use kj_legacy_state, only: legacy_state_t, NO_LIMIT, GROWTH
    implicit none
    private
 

@@ -1,31 +1,21 @@
-!> Energies and momenta of a legacy state, with velocities advanced to t(n).
-!> Source: docs/theory/legacy.md 8.
+!> Energies and momenta of a scene at its time, to which the velocities are advanced.
 module kj_energy
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_model, only: model_t, load_t
-   use kj_legacy_state, only: legacy_state_t
    use kj_skew, only: axis_of
+   use kj_snapshot, only: snapshot_t, balance_t
    implicit none
    private
 
-   public :: balance_t, balance_of, energy_error
-
-   !> Sums over a scene
-   type :: balance_t
-      real(wp) :: kinetic_trans = 0.0_wp, kinetic_rot = 0.0_wp
-      real(wp) :: internal = 0.0_wp
-      real(wp) :: potential = 0.0_wp             !! of constant gravity, 0 at the start
-      real(wp) :: momentum(3) = 0.0_wp, angular_momentum(3) = 0.0_wp   !! about the origin
-      real(wp) :: mass = 0.0_wp
-   end type balance_t
+   public :: balance_of
 
 contains
 
    !> Sums over the leads, in their order
-   function balance_of(model, state) result(b)
+   function balance_of(model, now) result(b)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       type(balance_t) :: b
 
       real(wp) :: part(BLOCK, 9), total(9)
@@ -34,7 +24,7 @@ contains
       total = 0.0_wp
       do before = 0, model%n_lead - 1, BLOCK
          n = min(BLOCK, model%n_lead - before)
-         call parts_of(model, state, before, n, part)
+         call parts_of(model, now, before, n, part)
          do i = 1, n
             total = total + part(i, :)
          end do
@@ -44,35 +34,34 @@ contains
       b%momentum = total(3:5)
       b%angular_momentum = total(6:8)
       b%mass = total(9)
-      do k = 1, size(state%joint)
-         b%internal = b%internal + sum(state%joint(k)%energy)
+      do k = 1, size(now%joint)
+         b%internal = b%internal + sum(now%joint(k)%energy)
       end do
       do k = 1, size(model%gravity)
-         b%potential = b%potential + potential_of(model, state, model%gravity(k))
+         b%potential = b%potential + potential_of(model, now, model%gravity(k))
       end do
    end function balance_of
 
    !> What each of a block of leads adds: both kinetic energies, momentum, angular momentum, mass
-   pure subroutine parts_of(model, state, before, n, part)
+   pure subroutine parts_of(model, now, before, n, part)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       integer, intent(in) :: before, n           !! leads before the block, in it
       real(wp), intent(out) :: part(BLOCK, 9)
 
-      real(wp) :: v(BLOCK, 3), w(BLOCK, 3), l(BLOCK, 3), half
+      real(wp) :: v(BLOCK, 3), w(BLOCK, 3), l(BLOCK, 3)
       integer :: i, j, k
 
-      half = 0.5_wp*state%h1
       do k = 1, 3
          do i = 1, n
-            v(i, k) = state%v(before + i, k) + half*state%a(before + i, k)
-            w(i, k) = state%world%w(before + i, k) + half*state%al(before + i, k)
+            v(i, k) = now%v(before + i, k) + now%lag*now%a(before + i, k)
+            w(i, k) = now%w(before + i, k) + now%lag*now%al(before + i, k)
          end do
       end do
-      call spins_of(model, state, before, n, w, l)
+      call spins_of(model, now, before, n, w, l)
       do i = 1, n
          j = before + i
-         associate (m => state%mass(j), x => state%world%x)
+         associate (m => now%mass(j), x => now%x)
             part(i, 1) = 0.5_wp*m*(v(i, 1)**2 + v(i, 2)**2 + v(i, 3)**2)
             part(i, 2) = 0.5_wp*(w(i, 1)*l(i, 1) + w(i, 2)*l(i, 2) + w(i, 3)*l(i, 3))
             part(i, 3) = m*v(i, 1)
@@ -87,9 +76,9 @@ contains
    end subroutine parts_of
 
    !> Spins J w of leads about themselves
-   pure subroutine spins_of(model, state, before, n, w, l)
+   pure subroutine spins_of(model, now, before, n, w, l)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       integer, intent(in) :: before, n           !! leads before the block, in it
       real(wp), intent(in) :: w(BLOCK, 3)
       real(wp), intent(out) :: l(BLOCK, 3)
@@ -102,8 +91,8 @@ contains
       do k = 1, 3
          do i = 1, n_body
             j = before + i
-            associate (p => state%p)
-               part = state%principal(j, k)*(w(i, 1)*p(j, 3*k - 2) + w(i, 2)*p(j, 3*k - 1) + &
+            associate (p => now%p)
+               part = now%principal(j, k)*(w(i, 1)*p(j, 3*k - 2) + w(i, 2)*p(j, 3*k - 1) + &
                   w(i, 3)*p(j, 3*k))
                l(i, 1) = l(i, 1) + part*p(j, 3*k - 2)
                l(i, 2) = l(i, 2) + part*p(j, 3*k - 1)
@@ -111,15 +100,15 @@ contains
             end associate
          end do
          do i = n_body + 1, n
-            l(i, k) = state%inertia(before + i)*w(i, k)
+            l(i, k) = now%inertia(before + i)*w(i, k)
          end do
       end do
    end subroutine spins_of
 
    !> Potential -m g.d of a gravity card; 0 for one that changes with time or turns
-   pure real(wp) function potential_of(model, state, load) result(u)
+   pure real(wp) function potential_of(model, now, load) result(u)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(in) :: state
+      type(snapshot_t), intent(in) :: now
       type(load_t), intent(in) :: load
 
       real(wp) :: g(3), y
@@ -138,22 +127,11 @@ contains
       if (load%skew > 0) then
          if (model%skews%node(1, load%skew) > 0) return
       end if
-      g = y*axis_of(state%world%skew, load%skew, load%dir)
+      g = y*axis_of(model%skews%axes, load%skew, load%dir)
       do k = 1, size(load%node)
          lead = load%node(k)
-         u = u - state%mass(lead)*dot_product(g, state%world%x(lead, :) - model%x0(lead, :))
+         u = u - now%mass(lead)*dot_product(g, now%x(lead, :) - model%x0(lead, :))
       end do
    end function potential_of
-
-   !> Energy error of the legacy scheme as a fraction: E/(E0 + W) - 1, between -0.999 and 0.999
-   pure real(wp) function energy_error(state, b) result(e)
-      type(legacy_state_t), intent(in) :: state
-      type(balance_t), intent(in) :: b
-
-      e = 0.0_wp
-      if (abs(state%energy0 + state%work) < 1.0e-20_wp) return
-      e = (b%kinetic_trans + b%kinetic_rot + b%internal)/(state%energy0 + state%work) - 1.0_wp
-      e = max(-0.999_wp, min(0.999_wp, e))
-   end function energy_error
 
 end module kj_energy

@@ -1,0 +1,481 @@
+!> How a scene gets from one time to the next: the one place of this folder that asks which
+!> formulation runs. The others hand over the model and read the snapshot.
+!> One file: the question is asked nowhere else.
+module kj_scheme
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, finding_list_t, fail, add_finding, str, ERR_INPUT, SEV_NOTE, &
+      SEV_WARNING
+   use kj_block, only: block_of, lane_of
+   use kj_joint_batch, only: has_friction
+   use kj_model, only: model_t, STOP_BELOW, SCALE_MASS, SCALE_MASS_NEXT
+   use kj_snapshot, only: snapshot_t, new_snapshot
+   use kj_pages, only: place_state, place_consistent_state
+   use kj_legacy_state, only: legacy_state_t, new_legacy_state
+   use kj_legacy_step, only: find_accelerations, advance
+   use kj_legacy_snapshot, only: show_legacy, show_legacy_clock
+   use kj_legacy_warnings, only: warn_legacy, warn_large_turn
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_auto_stiffness, only: start_scene
+   use kj_consistent_impact_step, only: step_factor
+   use kj_consistent_step, only: place_node
+   use kj_consistent_march, only: march_t, start_march, march, check_state, SPLIT2, LIEMID, RKMK4
+   use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
+   use kj_consistent_snapshot, only: show_consistent, show_consistent_clock
+   use kj_consistent_change, only: put_load, put_velocity, put_pose
+   use kj_run_option, only: run_options_t
+   implicit none
+   private
+
+   public :: scheme_t, choose_scheme, check_scene, critical_factor, start_scheme, go_on, &
+      finish_scheme, advance_to, take_step, show, node_place, warn_after
+   public :: load_body, move_body, put_body, lock_place
+
+   real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
+   integer, parameter :: LOOK_WORK = 20000      !! joint-cycles between two looks of the monitor
+   integer, parameter :: LEAST_LOOK = 8         !! cycles: each look takes a part of one
+   integer, parameter :: CHUNK = 1000           !! cycles of a host's march between two checks
+
+   !> A scene under way
+   type :: scheme_t
+      logical :: legacy = .false.               !! formulation
+      integer :: integrator = SPLIT2
+      logical :: nodal = .false.                !! time-step rule
+      logical :: islands = .false.              !! march on their own steps
+      type(legacy_state_t) :: cycles            !! legacy
+      ! consistent
+      type(consistent_state_t) :: state
+      type(march_t) :: march
+      type(part_t), allocatable :: part(:)      !! parts of islands; empty: one step for all
+      integer :: n_island = 0
+      ! what it shows
+      type(snapshot_t) :: now                   !! its clock is always right, the rest after `show`
+      logical :: shown = .false.                !! all of it is right
+      ! a run
+      logical :: due = .false.                  !! stands at the time of a sample
+      logical :: over = .false.                 !! stands at the end
+      logical :: apart = .false.                !! islands stand at different times
+      integer :: n_sample = 0                   !! samples so far, without that at the start
+      real(wp) :: t_next = 0.0_wp               !! time of the next
+   end type scheme_t
+
+contains
+
+   !> What a run was told of the formulation and its steps
+   subroutine choose_scheme(options, self)
+      type(run_options_t), intent(in) :: options    !! settled
+      type(scheme_t), intent(inout) :: self
+
+      self%legacy = options%formulation == 'legacy'
+      if (options%integrator == 'liemid') self%integrator = LIEMID
+      if (options%integrator == 'rkmk4') self%integrator = RKMK4
+      self%nodal = options%dt_rule == 'nodal'
+      self%islands = options%islands
+   end subroutine choose_scheme
+
+   !> What the formulation makes of a scene that was just built.
+   !>
+   !> Errors: ERR_INPUT when it has something that does not go with the formulation or integrator.
+   subroutine check_scene(self, model, dt_scale, findings, error)
+      type(scheme_t), intent(in) :: self
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: dt_scale          !! fraction of the critical step asked for; 0: none
+      type(finding_list_t), intent(inout) :: findings
+      type(error_t), allocatable, intent(out) :: error
+
+      if (self%legacy) then
+         call warn_legacy(model%model_t, findings)
+      else if (any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])) then
+         call fail(error, ERR_INPUT, &
+            '/DT/NODA/CST adds mass: only the legacy formulation does that')
+      else
+         if (step_factor(model) < dt_scale) call note(findings, SEV_NOTE, 'KJ-9042', &
+            '--dt-scale is 0.5 at most where stops meet joints with hardly any damping')
+         if (self%integrator == RKMK4) call refuse_path(model%model_t, error)
+      end if
+   end subroutine check_scene
+
+   !> Friction and locks hold a state that only whole steps may change: rkmk4 evaluates between them
+   subroutine refuse_path(model, error)
+      type(model_t), intent(in) :: model
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: j
+
+      do j = 1, model%n_joint
+         associate (batch => model%batch(model%joint(j)%batch), place => model%joint(j)%place)
+            if (.not. batch%limited) cycle
+            associate (l => batch%limit)
+               if (.not. (l%t_lock(place) < huge(1.0_wp) .or. any(has_friction(l%k(place, :), &
+                  l%slip(place, :), l%slip_curve(place, :))))) cycle
+            end associate
+            call fail(error, ERR_INPUT, 'joint '//str(model%joint(j)%id)// &
+               ' has friction or a lock: these do not go with the integrator rkmk4')
+            return
+         end associate
+      end do
+   end subroutine refuse_path
+
+   subroutine note(findings, severity, id, message)
+      type(finding_list_t), intent(inout) :: findings
+      integer, intent(in) :: severity
+      character(len=*), intent(in) :: id, message
+
+      type(error_t), allocatable :: finding
+
+      call fail(finding, ERR_INPUT, message, id)
+      finding%severity = severity
+      call add_finding(findings, finding)
+   end subroutine note
+
+   !> Fraction of the critical step that a run takes
+   real(wp) function critical_factor(self, model) result(factor)
+      type(scheme_t), intent(in) :: self
+      type(consistent_model_t), intent(in) :: model
+
+      factor = model%control%dt_factor
+      if (.not. self%legacy) factor = step_factor(model)
+   end function critical_factor
+
+   !> The scene at t = 0 with its forces, and what it shows.
+   !>
+   !> Errors: ERR_RUN as go_on, or when a joint takes its stiffness from a step that nothing limits.
+   subroutine start_scheme(model, self, error)
+      type(consistent_model_t), intent(inout) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      call new_snapshot(model%model_t, self%now)
+      if (allocated(self%part)) deallocate (self%part)
+      allocate (self%part(0))
+      self%n_island = 0
+      self%n_sample = 0
+      self%t_next = 0.0_wp
+      self%apart = .false.
+      if (self%legacy) then
+         call new_legacy_state(model%model_t, self%cycles)
+         call place_state(model, self%cycles)
+         call find_accelerations(model%model_t, self%cycles, .true., error)
+      else
+         call start_consistent(model, self, error)
+      end if
+      if (allocated(error)) return
+      self%shown = .false.
+      call show(model, self)                    ! energies count from here
+      self%due = .true.
+      call set_next(model%model_t, self)
+   end subroutine start_scheme
+
+   !> Constants, first state, limits and ledger
+   subroutine start_consistent(model, self, error)
+      type(consistent_model_t), intent(inout) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      call start_scene(model, self%integrator == RKMK4, self%state, error)
+      if (allocated(error)) return
+      call place_consistent_state(model, self%state)
+      self%march%integrator = self%integrator
+      self%march%nodal = self%nodal
+      self%march%factor = step_factor(model)
+      self%march%most = model%control%dt_max
+      if (model%control%dt_ini > 0.0_wp) self%march%first = model%control%dt_ini
+      call start_march(model, self%state, self%march)
+      if (self%islands) call cut_scene(model, self%march, self%n_island, self%part)
+   end subroutine start_consistent
+
+   !> The time of the next sample, and whether the end is here. Legacy samples are those of cycles
+   !> while t <= Tstop; consistent ones stand at multiples of the interval, the last at Tstop.
+   subroutine set_next(model, self)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+
+      associate (c => model%control, t => self%now%time, next => self%t_next)
+         if (self%legacy) then
+            self%over = t + self%cycles%h2 > c%t_stop .or. self%cycles%ended
+            if (self%due .or. self%over) next = min(c%t_stop, max(t, next + c%sample))
+         else
+            self%over = .not. t < c%t_stop
+            if (self%over .or. .not. (self%due)) return
+            self%n_sample = self%n_sample + 1
+            next = min(c%t_stop, self%n_sample*c%sample)
+            if (c%sample <= 0.0_wp) next = min(c%t_stop, t + self%march%limit)
+            if (c%t_stop - next < 1.0e-9_wp*c%sample) next = c%t_stop
+         end if
+      end associate
+   end subroutine set_next
+
+   !> Some cycles of a run, at most up to the next sample.
+   !>
+   !> Errors: ERR_RUN when the run leaves its valid range.
+   subroutine go_on(model, self, error)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: arrived
+
+      self%shown = .false.
+      if (self%legacy) then
+         call cycle_on(model%model_t, self, error)
+      else
+         call march_on(model, self, look_cycles(model%model_t), self%t_next, arrived, error)
+         self%due = arrived .and. .not. (self%t_next < self%n_sample*model%control%sample* &
+            (1.0_wp - 1.0e-9_wp) .and. model%control%sample > 0.0_wp)
+      end if
+      if (allocated(error)) return
+      call show_clock(model, self)
+      call set_next(model%model_t, self)
+   end subroutine go_on
+
+   !> Cycles between two looks of the monitor
+   pure integer function look_cycles(model) result(n)
+      type(model_t), intent(in) :: model
+
+      n = max(LEAST_LOOK, LOOK_WORK/max(1, model%n_joint + model%n_body))
+   end function look_cycles
+
+   !> Legacy cycles up to the next sample, the end, or the next look
+   subroutine cycle_on(model, self, error)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: last
+      integer :: i, n
+
+      n = look_cycles(model)
+      associate (s => self%cycles, control => model%control)
+         do i = 1, n
+            call advance(model, s, error)
+            if (allocated(error)) return
+            self%due = s%time >= self%t_next
+            last = i == n .or. s%time + 1.2_wp*s%h2 > control%t_stop .or. &
+               control%below_min == STOP_BELOW         ! any cycle may be the last
+            call find_accelerations(model, s, self%due .or. last, error)
+            if (allocated(error)) return
+            if (self%due .or. s%time + s%h2 > control%t_stop .or. s%ended) exit
+         end do
+      end associate
+   end subroutine cycle_on
+
+   !> Some steps towards a time
+   subroutine march_on(model, self, steps, t_end, arrived, error)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      integer, intent(in) :: steps              !! at most so many, of a scene that is not in parts
+      real(wp), intent(in) :: t_end
+      logical, intent(out) :: arrived
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: p
+
+      if (size(self%part) == 0) then
+         call march(model, t_end, steps, self%march, self%state, arrived)
+         call check_state(model, self%state, error)
+         return
+      end if
+      call march_parts(t_end, [(look_cycles(self%part(p)%model%model_t), p=1, size(self%part))], &
+         model%control%threads, self%part, arrived)
+      self%apart = .not. arrived
+      do p = 1, size(self%part)
+         call check_state(self%part(p)%model, self%part(p)%state, error)
+         if (allocated(error)) return
+      end do
+      call gather_clock(self%part, self%state, self%march)
+   end subroutine march_on
+
+   !> After the last sample of a run: a legacy cycle that was begun ends
+   subroutine finish_scheme(model, self, error)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. self%legacy) return
+      call advance(model%model_t, self%cycles, error)
+      call show_clock(model, self)
+   end subroutine finish_scheme
+
+   !> March to a time; legacy to the first cycle at or beyond it
+   subroutine advance_to(until, model, self, error)
+      real(wp), intent(in) :: until
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: arrived
+
+      arrived = .not. self%now%time < until
+      do while (.not. (arrived .or. allocated(error)))
+         if (self%legacy) then
+            call take_cycle(model%model_t, self%cycles, error)
+            arrived = .not. self%cycles%time < until
+         else
+            call march_on(model, self, CHUNK, until, arrived, error)
+         end if
+      end do
+      self%shown = .false.
+      call show_clock(model, self)
+   end subroutine advance_to
+
+   !> March one step
+   subroutine take_step(model, self, error)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: arrived
+
+      if (self%legacy) then
+         call take_cycle(model%model_t, self%cycles, error)
+      else
+         call march_on(model, self, 1, self%state%time + self%march%limit, arrived, error)
+      end if
+      self%shown = .false.
+      call show_clock(model, self)
+   end subroutine take_step
+
+   !> A cycle from accelerations to accelerations, so that everything is known in between
+   subroutine take_cycle(model, state, error)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      call advance(model, state, error)
+      if (.not. allocated(error)) call find_accelerations(model, state, .true., error)
+   end subroutine take_cycle
+
+   !> Cycle, time, step and who limits it
+   subroutine show_clock(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+
+      if (self%legacy) then
+         call show_legacy_clock(model%model_t, self%cycles, self%now)
+      else
+         call show_consistent_clock(model, self%march, self%state, self%now)
+      end if
+   end subroutine show_clock
+
+   !> Make the whole snapshot right; islands must stand at the same time
+   subroutine show(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+
+      if (self%shown) return
+      if (self%legacy) then
+         call show_legacy(model%model_t, self%cycles, self%now)
+      else
+         call show_consistent(model, self%march, self%state, self%part, self%now)
+      end if
+      self%shown = .true.
+   end subroutine show
+
+   !> Place of any node now, W. Under legacy only those move that joints, loads or the history read.
+   pure function node_place(model, self, node) result(x)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+      integer, intent(in) :: node
+      real(wp) :: x(3)
+
+      if (self%legacy) then
+         x = self%cycles%world%x(node, :)
+      else
+         x = place_node(model, self%state, node)
+      end if
+   end function node_place
+
+   !> What showed during a run
+   subroutine warn_after(model, self, findings)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+      type(finding_list_t), intent(inout) :: findings
+
+      character(len=8) :: buffer
+
+      if (self%legacy) then
+         if (self%cycles%turn_body > 0) call warn_large_turn(model, sqrt(self%cycles%turn2), &
+            self%cycles%turn_body, findings)
+      else if (self%now%loosest > LOOSE) then
+         write (buffer, '(es8.1)') self%now%loosest
+         call note(findings, SEV_WARNING, 'KJ-9216', 'the frame of joint '// &
+            str(model%joint(self%now%loosest_joint)%id)// &
+            ' lost its orthogonality by up to '//trim(adjustl(buffer))//' rad')
+      end if
+   end subroutine warn_after
+
+   !> Force and moment of the host on a body, W, until they are set anew
+   subroutine load_body(b, force, moment, model, self)
+      integer, intent(in) :: b
+      real(wp), intent(in) :: force(3), moment(3)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+
+      self%shown = .false.
+      if (self%legacy) then
+         associate (s => self%cycles, n => model%n_lead)
+            if (.not. allocated(s%f_host)) allocate (s%f_host(n, 3), s%m_host(n, 3), source=0.0_wp)
+            s%f_host(b, :) = force
+            s%m_host(b, :) = moment
+         end associate
+      else
+         call put_load(model, b, force, moment, self%state)
+      end if
+   end subroutine load_body
+
+   !> Velocities of a body, W
+   subroutine move_body(b, velocity, omega, model, self)
+      integer, intent(in) :: b
+      real(wp), intent(in) :: velocity(3), omega(3)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+
+      self%shown = .false.
+      if (self%legacy) then
+         associate (s => self%cycles)
+            s%v(b, :) = velocity
+            s%world%w(b, :) = omega
+            s%fastest = max(s%fastest, dot_product(omega, omega))
+         end associate
+      else
+         call put_velocity(model, b, velocity, omega, self%state, self%march)
+      end if
+   end subroutine move_body
+
+   !> Place of a body and its turn since the start, W. Errors: ERR_INPUT
+   subroutine put_body(b, position, attitude, model, self, error)
+      integer, intent(in) :: b
+      real(wp), intent(in) :: position(3), attitude(4)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      if (self%legacy) then
+         call fail(error, ERR_INPUT, &
+            'the legacy formulation sums up its frames: a body cannot be put elsewhere')
+      else if (.not. norm2(attitude) > 0.0_wp) then
+         call fail(error, ERR_INPUT, 'the quaternion is zero')
+      else
+         self%shown = .false.
+         call put_pose(model, b, position, attitude, self%state, self%march)
+      end if
+   end subroutine put_body
+
+   !> Joint `place` of limited batch b locks at t_lock, and stays so
+   subroutine lock_place(b, place, t_lock, model, self)
+      integer, intent(in) :: b, place
+      real(wp), intent(in) :: t_lock
+      type(consistent_model_t), intent(inout) :: model
+      type(scheme_t), intent(inout) :: self
+
+      model%batch(b)%limit%t_lock(place) = t_lock
+      model%batch(b)%limit%t_free(place) = huge(1.0_wp)
+      self%shown = .false.
+      if (self%legacy) then
+         self%cycles%joint(b)%locked(place) = .false.
+      else
+         self%state%joint(b)%limit(block_of(place))%locked(lane_of(place)) = 0.0_wp
+         call start_march(model, self%state, self%march)
+      end if
+   end subroutine lock_place
+
+end module kj_scheme
