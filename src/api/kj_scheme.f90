@@ -9,7 +9,6 @@ module kj_scheme
    use kj_joint_batch, only: has_friction
    use kj_model, only: model_t, STOP_BELOW, SCALE_MASS, SCALE_MASS_NEXT
    use kj_snapshot, only: snapshot_t, new_snapshot
-   use kj_pages, only: place_state, place_consistent_state
    use kj_legacy_state, only: legacy_state_t, new_legacy_state
    use kj_legacy_step, only: find_accelerations, advance
    use kj_legacy_snapshot, only: show_legacy, show_legacy_clock
@@ -153,7 +152,6 @@ contains
       self%apart = .false.
       if (self%legacy) then
          call new_legacy_state(model%model_t, self%cycles)
-         call place_state(model, self%cycles)
          call find_accelerations(model%model_t, self%cycles, .true., error)
       else
          call start_consistent(model, self, error)
@@ -173,7 +171,6 @@ contains
 
       call start_scene(model, self%integrator == RKMK4, self%state, error)
       if (allocated(error)) return
-      call place_consistent_state(model, self%state)
       self%march%integrator = self%integrator
       self%march%nodal = self%nodal
       self%march%factor = step_factor(model)

@@ -14,7 +14,6 @@ module kj_consistent_islands
    use kj_cut_model, only: cut_t, cut_model
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_build, only: build_consistent_model, new_consistent_state
-   use kj_pages, only: place_consistent_state
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_march, only: march_t, start_march, march, balance_ledger, close_ledger
    use kj_block, only: block_of, lane_of
@@ -155,7 +154,6 @@ contains
          end associate
       end do
       call new_consistent_state(part%model, part%state)
-      call place_consistent_state(part%model, part%state)
       part%march%integrator = whole%integrator
       part%march%nodal = whole%nodal
       part%march%factor = step_factor(part%model)

@@ -3,8 +3,7 @@ module kj_consistent_snapshot
    use kj_kinds, only: wp
    use kj_math3, only: cross, rotation_vector
    use kj_skew, only: skew_axes
-   use kj_snapshot, only: snapshot_t, shown_joints_t, show_owner, show_node, OWNER_NONE, &
-      OWNER_JOINT
+   use kj_snapshot, only: snapshot_t, shown_joints_t, show_owner, show_node, OWNER_NONE, OWNER_JOINT
    use kj_energy, only: balance_of
    use kj_joint_types, only: CHART_UNIVERSAL
    use kj_joint_batch, only: joint_batch_t, is_spring

@@ -9,7 +9,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <hdf5.h>
-#include "../base/kj_huge_pages.h"
 #include "kj_chunk.h"
 
 /* Values of a row that go to one chunk */
@@ -29,8 +28,7 @@ typedef struct {
    size_t *length;                           /* bytes packed, 0 = failed */
    unsigned char *work, *room;
    size_t n_work;                            /* bytes to work with, for each thread */
-   double *rows[2];                          /* the buffers, on huge pages: rows are written from end to
-                                                end, a third of the time of sampling went to their pages */
+   double *rows[2];                          /* the buffers */
    int filling;                              /* which of them */
    int full;                                 /* the other is full, and not known to be written */
    int running;                              /* there is a thread */
@@ -78,8 +76,8 @@ kj_packer *kj_packer_new(int exact, size_t n_value, size_t rows_full, size_t gro
    p->column = calloc(n_column + 1, sizeof *p->column);
    p->packed = calloc(n_column + 1, sizeof *p->packed);
    p->length = calloc(n_column + 1, sizeof *p->length);
-   p->rows[0] = kj_huge_room(held*sizeof(double));
-   p->rows[1] = kj_huge_room(held*sizeof(double));
+   p->rows[0] = malloc(held*sizeof(double) + 1);
+   p->rows[1] = malloc(held*sizeof(double) + 1);
    for (i = 0; i < n_column; i++) {
       size_t bytes = column[i].n_full*rows_full*(size_t)column[i].size;
       if (i % group == 0) used = 0;

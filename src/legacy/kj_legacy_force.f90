@@ -14,8 +14,6 @@ module kj_legacy_force
    use kj_lead_map, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN, W_KR1, W_KR2
    use kj_legacy_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve
    use kj_legacy_limits, only: limited_laws
-   use kj_legacy_ahead, only: ahead_t, next_block, prefetch_part, AHEAD_FRAME, AHEAD_AXES, &
-      AHEAD_RATE, AHEAD_WORK, AHEAD_FORCE, AHEAD_END
    use kj_legacy_spring, only: spring_laws, couple_shares
    implicit none
    private
@@ -29,21 +27,18 @@ module kj_legacy_force
       real(wp), allocatable :: x(:, :)           !! (n_node, 3) positions, leads first, W
       real(wp), allocatable :: w(:, :)           !! (n_lead, 3) angular velocities, W
       real(wp), allocatable :: skew(:, :)        !! (0:n_skew, 9) axes of the skews, W
-      logical :: large = .false.                 !! the scene does not fit in the cache
    end type world_t
 
 contains
 
    !> Joints lo..hi of a batch: new frame, displacements, forces, energy and wrench
-   pure subroutine add_joint_forces(batch, curves, world, h, keep_rates, lo, hi, column, state, &
-      wrench)
+   pure subroutine add_joint_forces(batch, curves, world, h, keep_rates, lo, hi, state, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h                  !! step since the last call, 0 in the first
       logical, intent(in) :: keep_rates          !! store qdot, for a sample
       integer, intent(in) :: lo, hi
-      integer, intent(in) :: column              !! of the wrenches, before that of joint 1
       type(joint_state_t), intent(inout) :: state
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_WRENCH, all joints)
 
@@ -51,29 +46,27 @@ contains
 
       do from = lo, hi, BLOCK
          call add_block(batch, curves, world, h, keep_rates, from, min(BLOCK, hi - from + 1), &
-            column, state, wrench)
+            state, wrench)
       end do
    end subroutine add_joint_forces
 
-   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, column, state, wrench)
+   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, state, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       logical, intent(in) :: keep_rates
-      integer, intent(in) :: from, n, column
+      integer, intent(in) :: from, n
       type(joint_state_t), intent(inout) :: state
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3), q(BLOCK, NDOF), qdot(BLOCK, NDOF)
       real(wp) :: f(BLOCK, NDOF), change
-      type(ahead_t) :: ahead
       logical :: idle(NDOF)
       integer :: i, j, k
 
-      ahead = next_block(batch, world%large, from + BLOCK)
       idle = batch%law == 0 .and. .not. (batch%limited .or. is_spring(batch))
-      call move_frames(batch, world, h, from, n, ahead, state, e, xl, turn)
+      call move_frames(batch, world, h, from, n, state, e, xl, turn)
       do k = 1, 3
          do i = 1, n
             j = from + i - 1
@@ -82,7 +75,6 @@ contains
          end do
       end do
       do k = 1, NDOF
-         call prefetch_part(ahead, AHEAD_RATE + k, batch, world%x, state)
          do i = 1, n
             qdot(i, k) = 0.0_wp
             if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(from + i - 1, k))/h
@@ -96,7 +88,6 @@ contains
          call laws(batch, curves, from, n, q, qdot, state, f)
       end if
       do k = 1, NDOF
-         call prefetch_part(ahead, AHEAD_WORK + k, batch, world%x, state)
          if (idle(k)) then                           ! without force, ever
             state%q(from:from + n - 1, k) = q(:n, k)
             cycle
@@ -110,16 +101,15 @@ contains
          end do
       end do
       if (keep_rates) state%qdot(from:from + n - 1, :) = qdot(:n, :)
-      call put_wrench(batch, world, from, n, ahead, state, e, xl, f, wrench(:, column + from:))
+      call put_wrench(batch, world, from, n, state, e, xl, f, wrench(:, batch%first + from:))
    end subroutine add_block
 
    !> New frames, offset of node 2 in them, and relative angular velocity in them
-   pure subroutine move_frames(batch, world, h, from, n, ahead, state, e, xl, turn)
+   pure subroutine move_frames(batch, world, h, from, n, state, e, xl, turn)
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
-      type(ahead_t), intent(in) :: ahead
       type(joint_state_t), intent(inout) :: state
       real(wp), intent(out) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3)
 
@@ -127,7 +117,6 @@ contains
       integer :: i, j, k
 
       do k = 1, 3
-         call prefetch_part(ahead, AHEAD_FRAME + k, batch, world%x, state)
          do i = 1, n
             j = from + i - 1
             r(i, k) = world%x(batch%node(j, 2), k) - world%x(batch%node(j, 1), k)
@@ -135,7 +124,6 @@ contains
             a(i, k) = 0.5_wp*h*(world%w(batch%lead(j, 1), k) + world%w(batch%lead(j, 2), k))
          end do
       end do
-      call prefetch_part(ahead, AHEAD_AXES + 1, batch, world%x, state)
       select case (batch%frame)
       case (FRAME_MEAN)
          e(:n, :) = state%e(from:from + n - 1, :)
@@ -157,9 +145,7 @@ contains
             e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
          end do
       end select
-      call prefetch_part(ahead, AHEAD_AXES + 2, batch, world%x, state)
       state%e(from:from + n - 1, :) = e(:n, :)
-      call prefetch_part(ahead, AHEAD_AXES + 3, batch, world%x, state)
       if (batch%frame == FRAME_CROSS) then
          call to_local(n, dual, r, xl)
          call to_local(n, dual, dw, turn)
@@ -247,11 +233,10 @@ contains
    !>
    !>   F = E f,  c = 1/2 XL x f,  moment at node 1: E (m + c), at node 2: -E (m - c);
    !> springs share the couple otherwise, and count once in the stiffness, not twice
-   pure subroutine put_wrench(batch, world, from, n, ahead, state, e, xl, f, wrench)
+   pure subroutine put_wrench(batch, world, from, n, state, e, xl, f, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
       integer, intent(in) :: from, n
-      type(ahead_t), intent(in) :: ahead
       type(joint_state_t), intent(in) :: state
       real(wp), intent(in) :: e(BLOCK, 9), xl(BLOCK, 3), f(BLOCK, NDOF)
       real(wp), contiguous, intent(inout) :: wrench(:, :)
@@ -262,28 +247,21 @@ contains
 
       part = couple_shares(batch)
       times = merge(1.0_wp, 2.0_wp, is_spring(batch))
-      call prefetch_part(ahead, AHEAD_FORCE + 1, batch, world%x, state)
       call to_world(n, e, f(:, 1:3), force)
       m(:n, :) = f(:n, 4:6)
-      call prefetch_part(ahead, AHEAD_FORCE + 2, batch, world%x, state)
       call add_cross(n, part(1), xl, f(:, 1:3), m)
-      call prefetch_part(ahead, AHEAD_FORCE + 3, batch, world%x, state)
       call to_world(n, e, m, m1)
       m(:n, :) = -f(:n, 4:6)
-      call prefetch_part(ahead, AHEAD_FORCE + 4, batch, world%x, state)
       call add_cross(n, part(2), xl, f(:, 1:3), m)
       call to_world(n, e, m, m2)
       do k = 1, 3
-         call prefetch_part(ahead, AHEAD_END + k, batch, world%x, state)
          do i = 1, n
             j = from + i - 1
             arm1(i, k) = world%x(batch%node(j, 1), k) - world%x(batch%lead(j, 1), k)
             arm2(i, k) = world%x(batch%node(j, 2), k) - world%x(batch%lead(j, 2), k)
          end do
       end do
-      call prefetch_part(ahead, AHEAD_FORCE + 5, batch, world%x, state)
       call add_cross(n, 1.0_wp, arm1, force, m1)
-      call prefetch_part(ahead, AHEAD_FORCE + 6, batch, world%x, state)
       call add_cross(n, -1.0_wp, arm2, force, m2)
       do i = 1, n
          st = state%stiff(from + i - 1, 1)

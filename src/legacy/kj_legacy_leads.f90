@@ -4,7 +4,6 @@
 module kj_legacy_leads
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
-   use kj_prefetch, only: prefetch
    use kj_team, only: MOST
    use kj_block, only: BLOCK
    use kj_model, only: model_t
@@ -93,13 +92,8 @@ contains
       integer :: n
 
       associate (lo => state%team%lead(1, piece), hi => state%team%lead(2, piece))
-         if (state%ring) then
-            call gather_wrenches(state%near, state%wrench, state%plan%ready(:, 1), state%part, &
-               lo, hi, load%f, load%m, load%kn, load%kr)
-         else
-            call gather_wrenches(model%map, state%wrench, state%plan%ready(:, 1), state%part, &
-               lo, hi, load%f, load%m, load%kn, load%kr)
-         end if
+         call gather_wrenches(model%map, state%wrench, state%plan%ready(:, 1), state%part, lo, hi, &
+            load%f, load%m, load%kn, load%kr)
          n = hi - lo + 1
       end associate
       load%kn(:n) = load%kn(:n) + EPS20
@@ -166,7 +160,6 @@ contains
       state%fastest(piece) = 0.0_wp
       do from = lo, last, BLOCK
          to = min(from + BLOCK - 1, last)
-         if (state%world%large) call prefetch_bodies(to + 1, state)
          call add_impulses(from, to, load%f(from - lo + 1:, :), load%m(from - lo + 1:, :), state)
          call add_own(model, from, to, load%f(from - lo + 1:, :), load%m(from - lo + 1:, :), state)
          call turn_bodies(from, to, load%m(from - lo + 1:, :), state, state%fastest(piece))
@@ -192,19 +185,6 @@ contains
          state%angular_impulse(lo:hi, k) = state%angular_impulse(lo:hi, k) + state%h1*m(lo:hi, k)
       end do
    end subroutine add_impulses
-
-   !> Ask for what the block of body `from` will read
-   pure subroutine prefetch_bodies(from, state)
-      integer, intent(in) :: from
-      type(legacy_state_t), intent(in) :: state
-
-      associate (to => from + BLOCK - 1)
-         call prefetch(from, to, state%p)
-         call prefetch(from, to, state%principal)
-         call prefetch(from, to, state%impulse)
-         call prefetch(from, to, state%angular_impulse)
-      end associate
-   end subroutine prefetch_bodies
 
    subroutine accelerate_leads(model, piece, load, state)
       type(model_t), intent(in) :: model

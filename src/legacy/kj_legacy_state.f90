@@ -4,9 +4,9 @@
 !> t(n).
 module kj_legacy_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t, new_team, LARGE
-   use kj_plan, only: plan_t, new_plan, wrench_columns
-   use kj_lead_map, only: lead_map_t, SPAN, N_SUM, N_WRENCH
+   use kj_team, only: team_t, new_team
+   use kj_plan, only: plan_t, new_plan
+   use kj_lead_map, only: SPAN, N_SUM, N_WRENCH
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_nodal_stiffness, only: start_stiffness
    use kj_legacy_force, only: world_t
@@ -77,9 +77,6 @@ module kj_legacy_state
       ! joints and springs
       type(joint_state_t), allocatable :: joint(:)         !! one a batch
       real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_element)
-      logical :: ring = .false.                            !! they stand in `column`, not in order
-      integer, allocatable :: column(:)                    !! of each piece of joints, see kj_plan
-      type(lead_map_t) :: near                             !! the map of joints that leads there
       real(wp), allocatable :: part(:, :)                  !! (N_SUM, parts of hubs) their sums
       ! loads
       type(gravity_t), allocatable :: field(:)               !! cards of gravity
@@ -147,25 +144,6 @@ contains
       crew%few(:model%n_body) = model%n_secondary <= 2
    end subroutine list_crew
 
-   !> Columns of the wrenches of pieces, and the map of joints that leads there
-   pure subroutine place_wrenches(model, state)
-      type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(inout) :: state
-
-      integer :: i, j, at(model%n_element)
-
-      state%column = wrench_columns(model%batch%first, model%map, state%team)
-      do i = 1, size(state%column)
-         associate (piece => state%team%joint(:, i))
-            do j = piece(2), piece(3)
-               at(model%batch(piece(1))%first + j) = state%column(i) + j - piece(2) + 1
-            end do
-         end associate
-      end do
-      state%near = model%map
-      state%near%joint = sign(at(abs(model%map%joint)), model%map%joint)
-   end subroutine place_wrenches
-
    !> State at t = 0, before the first cycle
    subroutine new_legacy_state(model, state)
       type(model_t), intent(in) :: model
@@ -180,7 +158,6 @@ contains
       allocate (state%world%w, source=model%w0)
       allocate (state%world%skew(0:model%skews%n, 9))
       state%world%skew = model%skews%axes
-      state%world%large = model%n_joint + model%n_lead >= LARGE
       allocate (state%v, source=model%v0)
       allocate (state%d(model%n_node, 3), source=0.0_wp)
       associate (n => model%n_lead, nb => model%n_body)
@@ -199,7 +176,6 @@ contains
          min(SPAN, model%map%first(2:) - model%map%first(:model%n_lead)) + &
          state%crew%first(2:) - state%crew%first(:model%n_lead), state%team)
       call new_plan(model%batch%first, model%map, state%team, state%plan)
-      call place_wrenches(model, state)
       allocate (state%least(size(state%team%lead, 2)), source=huge(1.0_wp))
       allocate (state%least_at(size(state%team%lead, 2)), source=0)
       allocate (state%fastest(size(state%team%lead, 2)), source=0.0_wp)

@@ -7,7 +7,6 @@ module kj_legacy_step
    use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_legacy_state, only: legacy_state_t
-   use kj_prefetch, only: prefetch
    use kj_block, only: BLOCK
    use kj_plan, only: DO_JOINTS, DO_PART, DO_LEADS
    use kj_skew, only: move_skews
@@ -49,8 +48,7 @@ contains
       state%h1 = state%h2
       call ready_joints(model, state, sampling)
       call find_gravity(model, state)
-      state%ring = .not. is_loaded(model, state)
-      if (.not. state%ring) then
+      if (is_loaded(model, state)) then
          call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
          call in_pieces(gather, state%team%leads, model, state)
          call add_cloads(model, state)
@@ -107,7 +105,6 @@ contains
       logical, intent(in) :: sampling        !! keep the rates, too
 
       call ready_joints(model, state, sampling)
-      state%ring = .false.
       call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
       call in_pieces(gather, state%team%leads, model, state)
    end subroutine find_joint_forces
@@ -194,24 +191,17 @@ contains
       type(legacy_state_t), intent(inout) :: state
       integer, intent(in) :: task
 
-      integer :: b, column
+      integer :: b
 
       associate (item => state%plan%stage(1)%item(task), joint => state%team%joint)
          select case (state%plan%stage(1)%kind(task))
          case (DO_JOINTS)
             b = joint(1, item)
-            column = model%batch(b)%first
-            if (state%ring) column = state%column(item) - joint(2, item) + 1
             call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, &
-               state%sampling, joint(2, item), joint(3, item), column, state%joint(b), state%wrench)
+               state%sampling, joint(2, item), joint(3, item), state%joint(b), state%wrench)
          case (DO_PART)
-            if (state%ring) then
-               call sum_part(state%near, state%wrench, state%plan%hub(item), item, &
-                  state%part(:, item))
-            else
-               call sum_part(model%map, state%wrench, state%plan%hub(item), item, &
-                  state%part(:, item))
-            end if
+            call sum_part(model%map, state%wrench, state%plan%hub(item), item, &
+               state%part(:, item))
          end select
       end associate
    end subroutine do_joints_of
@@ -237,33 +227,10 @@ contains
       end associate
       do lo = state%team%lead(1, piece), state%team%lead(2, piece), BLOCK
          hi = min(lo + BLOCK - 1, state%team%lead(2, piece))
-         if (state%world%large) call prefetch_moved(hi + 1, state)
          call move_secondaries(lo, hi, state)
          call move_leads(state%placed(piece), lo, hi, state)
       end do
    end subroutine move
-
-   !> Ask for what the block of lead `from` will read
-   pure subroutine prefetch_moved(from, state)
-      integer, intent(in) :: from
-      type(legacy_state_t), intent(in) :: state
-
-      integer :: first, n
-
-      if (from > size(state%a, 1)) return
-      associate (to => min(from + BLOCK - 1, size(state%a, 1)), crew => state%crew)
-         call prefetch(from, to, state%a)
-         call prefetch(from, to, state%al)
-         call prefetch(from, to, state%v)
-         call prefetch(from, to, state%world%w)
-         call prefetch(from, to, state%world%x)
-         call prefetch(from, to, state%rotation_sum)
-         n = min(crew%first(to + 1) - crew%first(from), 2*BLOCK)   ! they mostly lie side by side
-         if (n == 0) return
-         first = crew%node(crew%first(from))
-         call prefetch(first, first + n - 1, state%world%x)
-      end associate
-   end subroutine prefetch_moved
 
    subroutine check_step(model, state, error)
       type(model_t), intent(in) :: model

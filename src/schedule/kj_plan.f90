@@ -12,10 +12,7 @@ module kj_plan
    implicit none
    private
 
-   public :: plan_t, stage_t, new_plan, plan_of_leads, hubs_of_parts, pieces_of_joints, &
-      wrench_columns
-
-   integer, parameter :: RING = 3                 !! pieces whose wrenches a share keeps
+   public :: plan_t, stage_t, new_plan, plan_of_leads
 
    !> What a task does with its item, a piece of joints, a part of a hub or a piece of leads
    integer, parameter, public :: DO_JOINTS = 1, DO_PART = 2, DO_LEADS = 3
@@ -113,77 +110,6 @@ contains
          end associate
       end do
    end function pieces_of_joints
-
-   !> Where the wrenches of each piece of joints stand in a plan of one round: columns before that
-   !> of its first joint. The pieces of a share take the columns of its first ones in turn, which
-   !> stay in the cache; those that something reads later have columns of their own.
-   pure function wrench_columns(first, map, team) result(column)
-      integer, intent(in) :: first(:)             !! of each batch, number of the joints before it
-      type(lead_map_t), intent(in) :: map
-      type(team_t), intent(in) :: team
-      integer :: column(size(team%joint, 2))
-
-      integer :: i, n, s, base(RING), last(size(column)), own(size(column)), length(size(column))
-
-      last = last_readers(first, map, team)
-      own = first(team%joint(1, :)) + team%joint(2, :) - 1
-      length = team%joint(3, :) - team%joint(2, :) + 1
-      column = own
-      do s = 1, team%shares
-         n = 0
-         do i = team%joints(s - 1) + 1, team%joints(s)
-            if (last(i) > i + RING - 1) cycle
-            n = n + 1
-            associate (b => base(modulo(n - 1, RING) + 1))
-               if (n <= RING) b = i
-               if (length(i) <= length(b)) column(i) = own(b)
-            end associate
-         end do
-      end do
-   end function wrench_columns
-
-   !> The piece of joints after which the last task has read the wrenches of each piece
-   pure function last_readers(first, map, team) result(last)
-      integer, intent(in) :: first(:)
-      type(lead_map_t), intent(in) :: map
-      type(team_t), intent(in) :: team
-      integer :: last(size(team%joint, 2))
-
-      type(wait_t) :: joints, parts, leads
-      integer :: piece(size(map%joint)/2), i, h, lead, entries(2)
-      logical :: hub(size(map%first) - 1)
-
-      piece = pieces_of_joints(first, team, size(piece))
-      joints%after = [(i, i=1, size(last))]
-      joints%early = spread(.true., 1, size(last))
-      call wait_for_joints(map, team, piece, joints, parts, leads)
-      hub = .false.
-      hub(map%hub) = .true.
-      last = 0
-      do h = 1, size(map%hub)
-         do i = map%part(h), map%part(h + 1) - 1
-            entries = part_entries(map, h, i)
-            call read_after(entries, merge(parts%after(i), huge(1), parts%early(i)))
-         end do
-      end do
-      do i = 1, size(team%lead, 2)
-         do lead = team%lead(1, i), team%lead(2, i)
-            if (.not. hub(lead)) call read_after(map%first(lead:lead + 1) - [0, 1], &
-               merge(leads%after(i), huge(1), leads%early(i)))
-         end do
-      end do
-
-   contains
-
-      pure subroutine read_after(entries, after)
-         integer, intent(in) :: entries(2), after
-
-         associate (pieces => piece(abs(map%joint(entries(1):entries(2)))))
-            last(pieces) = max(last(pieces), after)
-         end associate
-      end subroutine read_after
-
-   end function last_readers
 
    !> All leads in one stage, without their joints
    pure subroutine plan_of_leads(team, plan)

@@ -17,8 +17,6 @@ module kj_team
    integer, parameter :: PIECES = 2               !! in each share, at least
    !> Leads, or joints of all batches, in a piece: what comes next finds them in the cache
    integer, parameter, public :: MOST = 8*BLOCK
-   !> Joints and leads of a scene that does not fit in the second cache
-   integer, parameter, public :: LARGE = 4000
    integer, parameter :: FINE = 10**6             !! places along a batch that are told apart
    integer, parameter :: LEAD_WORK = 8            !! of a lead, in that of one joint end or node
 
