@@ -253,7 +253,8 @@ contains
          result%id = ref%id
          result%type = joint_types(ref%row)%id
          if (set%legacy) then
-            associate (s => set%state%joint(ref%batch), i => ref%place)
+            associate (s => set%state%joint(ref%batch)%block(block_of(ref%place)), &
+               i => lane_of(ref%place))
                result%force = s%f(i, :)
                result%displacement = s%q(i, :)
                result%frame = reshape(s%e(i, :), [3, 3])
@@ -289,7 +290,9 @@ contains
       if (.not. set%started) return
       do b = 1, size(set%model%batch)
          if (set%legacy) then
-            work = work + sum(set%state%joint(b)%energy)
+            do i = 1, size(set%state%joint(b)%block)
+               work = work + sum(set%state%joint(b)%block(i)%energy)
+            end do
          else
             do i = 1, size(set%cs%joint(b)%block)
                dissipated = dissipated + sum(set%cs%joint(b)%block(i)%dissipated)
@@ -315,7 +318,7 @@ contains
       associate (ref => set%model%joint(j))
          if (joint_types(ref%row)%frame == FRAME_CROSS) then
             if (set%legacy) then
-               e = set%state%joint(ref%batch)%e(ref%place, :)
+               e = set%state%joint(ref%batch)%block(block_of(ref%place))%e(lane_of(ref%place), :)
             else
                e = frame_of(set%model%batch(ref%batch), set%cs%joint(ref%batch), ref%place)
             end if

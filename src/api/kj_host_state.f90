@@ -3,7 +3,7 @@ module kj_host_state
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
-   use kj_joint_batch, only: joint_state_t
+   use kj_legacy_joint, only: legacy_joint_t, legacy_rows => rows_of
    use kj_block, only: block_of, lane_of
    use kj_consistent_batch, only: consistent_joint_t, rows_of
    use kj_host, only: joint_set_t
@@ -12,7 +12,7 @@ module kj_host_state
 
    public :: joint_state_size, save_joints, restore_joints
 
-   real(wp), parameter :: VERSION = 1.0_wp        !! of the layout
+   real(wp), parameter :: VERSION = 2.0_wp        !! of the layout
    integer, parameter :: HEAD = 6                 !! version, formulation, joints, size, time, step
 
    !> Where packing stands
@@ -111,14 +111,14 @@ contains
       type(joint_set_t), intent(in) :: set
       type(tape_t), intent(inout) :: tape
 
-      type(joint_state_t), allocatable :: legacy(:)
+      type(legacy_joint_t), allocatable :: legacy(:)
       type(consistent_joint_t), allocatable :: consistent(:)
       integer :: b
 
       if (set%legacy) then
          legacy = set%state%joint
          do b = 1, size(legacy)
-            call pass_legacy(legacy(b), tape)
+            call pass_legacy(set%model%batch(b)%n, legacy(b), tape)
          end do
       else
          consistent = set%cs%joint
@@ -136,28 +136,26 @@ contains
       integer :: b
 
       do b = 1, size(set%model%batch)
-         if (set%legacy) call pass_legacy(set%state%joint(b), tape)
+         if (set%legacy) call pass_legacy(set%model%batch(b)%n, set%state%joint(b), tape)
          if (.not. set%legacy) call pass_consistent(set%model%batch(b)%n, set%cs%joint(b), tape)
       end do
    end subroutine pass_state
 
-   subroutine pass_legacy(joint, tape)
-      type(joint_state_t), intent(inout) :: joint
+   subroutine pass_legacy(n, joint, tape)
+      integer, intent(in) :: n                   !! joints
+      type(legacy_joint_t), intent(inout) :: joint
       type(tape_t), intent(inout) :: tape
 
-      call pass2(joint%e, tape)
-      call pass2(joint%q, tape)
-      call pass2(joint%f, tape)
-      call pass1(joint%energy, tape)
-      call pass2(joint%qdot, tape)
-      call pass2(joint%stiff, tape)
-      if (.not. allocated(joint%flag)) return
-      call pass2(joint%k_block, tape)
-      call pass2(joint%friction, tape)
-      call pass1(joint%slip_energy, tape)
-      call pass1(joint%stored, tape)
-      call pass2(joint%q_lock, tape)
-      call pass_marks(joint%locked, joint%flag, tape)
+      real(wp), pointer :: row(:, :)
+      integer :: i
+
+      do i = 1, n
+         call legacy_rows(joint%block(block_of(i)), row)
+         call pass(row(lane_of(i), :), tape)
+         if (.not. allocated(joint%limit)) cycle
+         call legacy_rows(joint%limit(block_of(i)), row)
+         call pass(row(lane_of(i), :), tape)
+      end do
    end subroutine pass_legacy
 
    subroutine pass_consistent(n, joint, tape)
@@ -170,41 +168,15 @@ contains
 
       do i = 1, n
          call rows_of(joint%block(block_of(i)), row)
-         call pass1(row(lane_of(i), :), tape)
+         call pass(row(lane_of(i), :), tape)
          if (.not. allocated(joint%limit)) cycle
          call rows_of(joint%limit(block_of(i)), row)
-         call pass1(row(lane_of(i), :), tape)
+         call pass(row(lane_of(i), :), tape)
       end do
    end subroutine pass_consistent
 
-   subroutine pass_marks(locked, flag, tape)
-      logical, intent(inout) :: locked(:)
-      integer, intent(inout) :: flag(:, :)
-      type(tape_t), intent(inout) :: tape
-
-      real(wp) :: number(size(locked)), marks(size(flag, 1), size(flag, 2))
-
-      number = merge(1.0_wp, 0.0_wp, locked)
-      marks = real(flag, wp)
-      call pass1(number, tape)
-      call pass2(marks, tape)
-      locked = number > 0.5_wp
-      flag = nint(marks)
-   end subroutine pass_marks
-
-   subroutine pass2(values, tape)
-      real(wp), intent(inout) :: values(:, :)
-      type(tape_t), intent(inout) :: tape
-
-      integer :: k
-
-      do k = 1, size(values, 2)
-         call pass1(values(:, k), tape)
-      end do
-   end subroutine pass2
-
    !> Numbers onto the tape, off it, or, when it is empty, only counted
-   subroutine pass1(values, tape)
+   subroutine pass(values, tape)
       real(wp), intent(inout) :: values(:)
       type(tape_t), intent(inout) :: tape
 
@@ -215,6 +187,6 @@ contains
          end if
          tape%at = tape%at + size(values)
       end associate
-   end subroutine pass1
+   end subroutine pass
 
 end module kj_host_state

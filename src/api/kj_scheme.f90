@@ -468,7 +468,7 @@ contains
       model%batch(b)%limit%t_free(place) = huge(1.0_wp)
       self%shown = .false.
       if (self%legacy) then
-         self%cycles%joint(b)%locked(place) = .false.
+         self%cycles%joint(b)%limit(block_of(place))%locked(lane_of(place)) = 0.0_wp
       else
          self%state%joint(b)%limit(block_of(place))%locked(lane_of(place)) = 0.0_wp
          call start_march(model, self%state, self%march)

@@ -1,12 +1,12 @@
 !> State of all joints of one batch under the consistent formulation.
 module kj_consistent_batch
-   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+   use, intrinsic :: iso_c_binding, only: c_loc
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
    use kj_joint_batch, only: joint_batch_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, LAW_DAMPER, &
       LAW_DAMPER_CURVE
-   use kj_block, only: BLOCK, block_of, lane_of
+   use kj_block, only: BLOCK, rows_at, block_of, lane_of
    implicit none
    private
 
@@ -103,20 +103,14 @@ contains
       type(consistent_block_t), target, intent(in) :: state
       real(wp), pointer, intent(out) :: row(:, :)
 
-      integer :: bits
-
-      bits = storage_size(state)
-      call c_f_pointer(c_loc(state), row, [BLOCK, bits/storage_size(1.0_wp)/BLOCK])
+      call rows_at(c_loc(state), storage_size(state), row)
    end subroutine rows_of_block
 
    subroutine rows_of_limits(state, row)
       type(limit_block_t), target, intent(in) :: state
       real(wp), pointer, intent(out) :: row(:, :)
 
-      integer :: bits
-
-      bits = storage_size(state)
-      call c_f_pointer(c_loc(state), row, [BLOCK, bits/storage_size(1.0_wp)/BLOCK])
+      call rows_at(c_loc(state), storage_size(state), row)
    end subroutine rows_of_limits
 
    !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a

@@ -4,7 +4,7 @@ module kj_consistent_nodal_step
    use kj_kinds, only: wp
    use kj_lapack, only: largest_eigenvalue
    use kj_block, only: block_of, lane_of
-   use kj_joint_batch, only: is_spring, joint_state_t, LAW_SPRING_CURVE
+   use kj_joint_batch, only: is_spring, LAW_SPRING_CURVE
    use kj_nodal_stiffness, only: start_stiffness, step_stiffness
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_conditions, only: body_matrix
@@ -23,7 +23,7 @@ contains
       type(consistent_state_t), intent(in) :: state
       real(wp), intent(out) :: kn(:), kr(:)      !! (n_lead)
 
-      type(joint_state_t) :: legacy
+      real(wp), allocatable :: stiff(:, :)
       real(wp) :: k(6), st, sr, times
       integer :: b, i, e, lead
 
@@ -31,18 +31,18 @@ contains
       kr = 0.0_wp
       do b = 1, size(model%batch)
          times = merge(1.0_wp, 2.0_wp, is_spring(model%batch(b)))
-         if (allocated(legacy%stiff)) deallocate (legacy%stiff)
-         allocate (legacy%stiff(model%batch(b)%n, 2), source=0.0_wp)
-         call start_stiffness(model%batch(b), legacy)
+         if (allocated(stiff)) deallocate (stiff)
+         allocate (stiff(model%batch(b)%n, 2))
+         call start_stiffness(model%batch(b), stiff)
          do i = 1, model%batch(b)%n
             if (model%batch(b)%limited .or. any(model%batch(b)%law >= LAW_SPRING_CURVE)) then
                k = largest_stiffness(model%curves, model%batch(b), i)
                call step_stiffness(2, [maxval(k(1:3)), maxval(k(4:6))], &
                   model%batch(b)%c_top(i, :), [model%batch(b)%cr(i), model%batch(b)%cr(i)], &
-                  model%batch(b)%reduced(i, :), legacy%stiff(i, :))
+                  model%batch(b)%reduced(i, :), stiff(i, :))
             end if
-            st = legacy%stiff(i, 1)
-            sr = legacy%stiff(i, 2) + st*sum((model%batch(b)%xl0(i, :) + &
+            st = stiff(i, 1)
+            sr = stiff(i, 2) + st*sum((model%batch(b)%xl0(i, :) + &
                state%joint(b)%block(block_of(i))%q(lane_of(i), 1:3))**2)
             do e = 1, 2
                lead = model%batch(b)%lead(i, e)

@@ -1,17 +1,28 @@
 !> Joint frames of a block of joints. Frames are 9 columns: E1, E2, E3 in the world frame W.
 !> Every array has BLOCK rows, the first n are used.
 module kj_block
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_f_pointer
    use kj_kinds, only: wp
    use kj_math3, only: turn_coefficients
    implicit none
    private
 
-   public :: block_of, lane_of, turn_arm, turn_frames, turn_axes, cross_frames, to_local, &
+   public :: rows_at, block_of, lane_of, turn_arm, turn_frames, turn_axes, cross_frames, to_local, &
       to_world, add_cross, line_axes
 
    integer, parameter, public :: BLOCK = 64    !! joints a kernel works on at a time
 
 contains
+
+   !> The numbers of a block of joints at an address as (BLOCK, fields): what goes with a joint from
+   !> place to place is its row
+   subroutine rows_at(address, bits, row)
+      type(c_ptr), intent(in) :: address
+      integer, intent(in) :: bits                !! size of the block
+      real(wp), pointer, intent(out) :: row(:, :)
+
+      call c_f_pointer(address, row, [BLOCK, bits/storage_size(1.0_wp)/BLOCK])
+   end subroutine rows_at
 
    !> Block of joint i of a batch
    pure elemental integer function block_of(i)

@@ -1,13 +1,13 @@
-!> Arrays of all joints of one type, frame rule and law signature: constants and state.
+!> Arrays of all joints of one type, frame rule and law signature: constants.
 !> Structure of arrays, joint first: one dof of all joints is one contiguous column.
 module kj_joint_batch
    use kj_kinds, only: wp
-   use kj_joint_types, only: joint_types, NDOF
+   use kj_joint_types, only: NDOF
    implicit none
    private
 
-   public :: joint_batch_t, joint_state_t, limits_t, geometry_t, new_batch, new_limits, &
-      new_joint_state, is_spring, has_friction, has_limits
+   public :: joint_batch_t, limits_t, geometry_t, new_batch, new_limits, is_spring, has_friction, &
+      has_limits
 
    !> Law signature of a dof, bits
    integer, parameter, public :: LAW_SPRING = 1        !! linear stiffness
@@ -89,25 +89,6 @@ module kj_joint_batch
       type(geometry_t) :: geometry
    end type joint_batch_t
 
-   !> What changes
-   type :: joint_state_t
-      real(wp), allocatable :: e(:, :)          !! (n, 9) joint frame, columns E1 E2 E3
-      real(wp), allocatable :: q(:, :)          !! (n, 6) displacement and rotation, J
-      real(wp), allocatable :: f(:, :)          !! (n, 6) force and moment on node 1, J
-      real(wp), allocatable :: energy(:)        !! (n) work done on the joint
-      real(wp), allocatable :: qdot(:, :)       !! (n, 6) rates; only at samples
-      real(wp), allocatable :: stiff(:, :)      !! (n, 2) time-step stiffness, translation and
-                                                !! rotation
-      ! of limited batches only
-      real(wp), allocatable :: k_block(:, :)    !! (n, 2) stiffness of blocked dofs at present
-      real(wp), allocatable :: friction(:, :)   !! (n, 6) friction force, J
-      real(wp), allocatable :: slip_energy(:)   !! (n) energy that sliding took
-      real(wp), allocatable :: stored(:)        !! (n) elastic energy of stops, friction and lock
-      logical, allocatable :: locked(:)         !! (n) has been locked
-      real(wp), allocatable :: q_lock(:, :)     !! (n, 6) q held by the lock
-      integer, allocatable :: flag(:, :)        !! (n, 6) DOF_ constant
-   end type joint_state_t
-
 contains
 
    !> A batch of springs, not of joints
@@ -143,32 +124,6 @@ contains
          allocate (l%t_lock(n), l%t_free(n), source=huge(1.0_wp))
       end associate
    end subroutine new_limits
-
-   !> State at the start: initial frame and angles
-   subroutine new_joint_state(batch, state)
-      type(joint_batch_t), intent(in) :: batch
-      type(joint_state_t), intent(out) :: state
-
-      integer :: dof
-
-      associate (n => batch%n)
-         allocate (state%q(n, NDOF), state%f(n, NDOF), state%energy(n), state%qdot(n, NDOF), &
-            state%stiff(n, 2), source=0.0_wp)
-      end associate
-      allocate (state%e, source=batch%frame0)
-      state%q(:, 4:6) = batch%angle0
-      if (.not. batch%limited) return
-      associate (n => batch%n)
-         allocate (state%friction(n, NDOF), state%slip_energy(n), state%stored(n), &
-            state%q_lock(n, NDOF), source=0.0_wp)
-         allocate (state%locked(n), source=.false.)
-         allocate (state%flag(n, NDOF), source=DOF_FREE)
-      end associate
-      allocate (state%k_block, source=batch%limit%k_block)
-      do dof = 1, NDOF
-         if (joint_types(batch%row)%free(dof) == 0) state%flag(:, dof) = DOF_BLOCKED
-      end do
-   end subroutine new_joint_state
 
    !> A dof with this stiffness, limit and curve has friction
    pure elemental logical function has_friction(k, slip, curve) result(has)

@@ -2,7 +2,7 @@
 !> formulations. Source: docs/theory/legacy.md 7.2.
 module kj_nodal_stiffness
    use kj_kinds, only: wp
-   use kj_joint_batch, only: joint_batch_t, joint_state_t
+   use kj_joint_batch, only: joint_batch_t
    implicit none
    private
 
@@ -33,15 +33,15 @@ contains
    end subroutine step_stiffness
 
    !> Time-step stiffness of joints whose laws are linear; constant over the run
-   pure subroutine start_stiffness(batch, state)
+   pure subroutine start_stiffness(batch, stiff)
       type(joint_batch_t), intent(in) :: batch
-      type(joint_state_t), intent(inout) :: state
+      real(wp), intent(out) :: stiff(:, :)       !! (n, 2) translation and rotation
 
       integer :: s
 
       do s = 1, 2
          call step_stiffness(batch%n, batch%k_top(:, s), batch%c_top(:, s), batch%cr, &
-            batch%reduced(:, s), state%stiff(:, s))
+            batch%reduced(:, s), stiff(:, s))
       end do
    end subroutine start_stiffness
 

@@ -4,6 +4,7 @@ module kj_legacy_auto_stiffness
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_joint_batch, only: joint_batch_t
+   use kj_block, only: block_of, lane_of
    use kj_model, only: model_t
    use kj_legacy_state, only: legacy_state_t, EPS20
    implicit none
@@ -45,7 +46,8 @@ contains
                   ' takes its stiffness from the first step, but nothing limits that: give /DTIX')
                return
             end if
-            state%joint(b)%k_block(i, :) = stiffness_of(state, model%batch(b), i, h)
+            state%joint(b)%limit(block_of(i))%k_block(lane_of(i), :) = &
+               stiffness_of(state, model%batch(b), i, h)
          end do
       end do
    end subroutine set_blocking

@@ -6,12 +6,12 @@ module kj_legacy_force
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
    use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_FIRST, FRAME_CROSS, FRAME_LINE
-   use kj_joint_batch, only: joint_batch_t, joint_state_t, is_spring, KJOINT2, LAW_SPRING_CURVE, &
-      LAW_DAMPER_CURVE
+   use kj_joint_batch, only: joint_batch_t, is_spring, KJOINT2, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_block, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross, &
       line_axes
    use kj_nodal_stiffness, only: step_stiffness
    use kj_lead_map, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN, W_KR1, W_KR2
+   use kj_legacy_joint, only: legacy_block_t, legacy_joint_t
    use kj_legacy_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve
    use kj_legacy_limits, only: limited_laws
    use kj_legacy_spring, only: spring_laws, couple_shares
@@ -31,33 +31,34 @@ module kj_legacy_force
 
 contains
 
-   !> Joints lo..hi of a batch: new frame, displacements, forces, energy and wrench
-   pure subroutine add_joint_forces(batch, curves, world, h, keep_rates, lo, hi, state, wrench)
+   !> Joints lo..hi of a batch: new frame, displacements, forces, energy and wrench. lo is the first
+   !> joint of a block.
+   pure subroutine add_joint_forces(batch, curves, world, h, keep_rates, lo, hi, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h                  !! step since the last call, 0 in the first
       logical, intent(in) :: keep_rates          !! store qdot, for a sample
       integer, intent(in) :: lo, hi
-      type(joint_state_t), intent(inout) :: state
+      type(legacy_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_WRENCH, all joints)
 
       integer :: from
 
       do from = lo, hi, BLOCK
          call add_block(batch, curves, world, h, keep_rates, from, min(BLOCK, hi - from + 1), &
-            state, wrench)
+            (from - 1)/BLOCK + 1, joint, wrench)
       end do
    end subroutine add_joint_forces
 
-   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, state, wrench)
+   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, at, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       logical, intent(in) :: keep_rates
-      integer, intent(in) :: from, n
-      type(joint_state_t), intent(inout) :: state
+      integer, intent(in) :: from, n, at         !! first joint, joints, block
+      type(legacy_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3), q(BLOCK, NDOF), qdot(BLOCK, NDOF)
@@ -65,43 +66,45 @@ contains
       logical :: idle(NDOF)
       integer :: i, j, k
 
-      idle = batch%law == 0 .and. .not. (batch%limited .or. is_spring(batch))
-      call move_frames(batch, world, h, from, n, state, e, xl, turn)
-      do k = 1, 3
-         do i = 1, n
-            j = from + i - 1
-            q(i, k) = xl(i, k) - batch%xl0(j, k)
-            q(i, k + 3) = state%q(j, k + 3) + turn(i, k)*h
+      associate (state => joint%block(at))
+         idle = batch%law == 0 .and. .not. (batch%limited .or. is_spring(batch))
+         call move_frames(batch, world, h, from, n, state, e, xl, turn)
+         do k = 1, 3
+            do i = 1, n
+               j = from + i - 1
+               q(i, k) = xl(i, k) - batch%xl0(j, k)
+               q(i, k + 3) = state%q(i, k + 3) + turn(i, k)*h
+            end do
          end do
-      end do
-      do k = 1, NDOF
-         do i = 1, n
-            qdot(i, k) = 0.0_wp
-            if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(from + i - 1, k))/h
+         do k = 1, NDOF
+            do i = 1, n
+               qdot(i, k) = 0.0_wp
+               if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(i, k))/h
+            end do
          end do
-      end do
-      if (batch%limited) then
-         call limited_laws(batch, curves, world%time, world%h12, from, n, q, qdot, state, f)
-      else if (is_spring(batch)) then
-         call spring_laws(batch, curves, from, n, q, qdot, f)
-      else
-         call laws(batch, curves, from, n, q, qdot, state, f)
-      end if
-      do k = 1, NDOF
-         if (idle(k)) then                           ! without force, ever
-            state%q(from:from + n - 1, k) = q(:n, k)
-            cycle
+         if (batch%limited) then
+            call limited_laws(batch, curves, world%time, world%h12, from, n, q, qdot, state, &
+               joint%limit(at), f)
+         else if (is_spring(batch)) then
+            call spring_laws(batch, curves, from, n, q, qdot, f)
+         else
+            call laws(batch, curves, from, n, q, qdot, state, f)
          end if
-         do i = 1, n
-            j = from + i - 1
-            change = q(i, k) - state%q(j, k)
-            state%energy(j) = state%energy(j) + 0.5_wp*change*(f(i, k) + state%f(j, k))
-            state%q(j, k) = q(i, k)
-            state%f(j, k) = f(i, k)
+         do k = 1, NDOF
+            if (idle(k)) then                           ! without force, ever
+               state%q(:n, k) = q(:n, k)
+               cycle
+            end if
+            do i = 1, n
+               change = q(i, k) - state%q(i, k)
+               state%energy(i) = state%energy(i) + 0.5_wp*change*(f(i, k) + state%f(i, k))
+               state%q(i, k) = q(i, k)
+               state%f(i, k) = f(i, k)
+            end do
          end do
-      end do
-      if (keep_rates) state%qdot(from:from + n - 1, :) = qdot(:n, :)
-      call put_wrench(batch, world, from, n, state, e, xl, f, wrench(:, batch%first + from:))
+         if (keep_rates) state%qdot(:n, :) = qdot(:n, :)
+         call put_wrench(batch, world, from, n, state, e, xl, f, wrench(:, batch%first + from:))
+      end associate
    end subroutine add_block
 
    !> New frames, offset of node 2 in them, and relative angular velocity in them
@@ -110,7 +113,7 @@ contains
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
-      type(joint_state_t), intent(inout) :: state
+      type(legacy_block_t), intent(inout) :: state
       real(wp), intent(out) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3)
 
       real(wp) :: dual(BLOCK, 9), r(BLOCK, 3), dw(BLOCK, 3), a(BLOCK, 3), b(BLOCK, 3)
@@ -126,7 +129,7 @@ contains
       end do
       select case (batch%frame)
       case (FRAME_MEAN)
-         e(:n, :) = state%e(from:from + n - 1, :)
+         e(:n, :) = state%e(:n, :)
          call turn_frames(n, a, e)
       case (FRAME_CROSS)
          if (batch%kind == KJOINT2) then
@@ -145,7 +148,7 @@ contains
             e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
          end do
       end select
-      state%e(from:from + n - 1, :) = e(:n, :)
+      state%e(:n, :) = e(:n, :)
       if (batch%frame == FRAME_CROSS) then
          call to_local(n, dual, r, xl)
          call to_local(n, dual, dw, turn)
@@ -161,7 +164,7 @@ contains
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       integer, intent(in) :: from, n
-      type(joint_state_t), intent(in) :: state
+      type(legacy_block_t), intent(in) :: state
       real(wp), intent(out) :: u(BLOCK, 3), v(BLOCK, 3)
 
       real(wp) :: w1(BLOCK, 3), w2(BLOCK, 3)
@@ -169,8 +172,8 @@ contains
 
       do k = 1, 3
          do i = 1, n
-            u(i, k) = state%e(from + i - 1, 3 + k)
-            v(i, k) = state%e(from + i - 1, 6 + k)
+            u(i, k) = state%e(i, 3 + k)
+            v(i, k) = state%e(i, 6 + k)
             w1(i, k) = world%w(batch%lead(from + i - 1, 1), k)
             w2(i, k) = world%w(batch%lead(from + i - 1, 2), k)
          end do
@@ -185,7 +188,7 @@ contains
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF), qdot(BLOCK, NDOF)
-      type(joint_state_t), intent(inout) :: state
+      type(legacy_block_t), intent(inout) :: state
       real(wp), intent(out) :: f(BLOCK, NDOF)
 
       real(wp) :: k_top(BLOCK, 2), c_top(BLOCK, 2), zero(BLOCK)
@@ -225,7 +228,7 @@ contains
       if (.not. renew) return
       do s = 1, 2
          call step_stiffness(n, k_top(:, s), c_top(:, s), batch%cr(from:to), &
-            batch%reduced(from:to, s), state%stiff(from:to, s))
+            batch%reduced(from:to, s), state%stiff(:n, s))
       end do
    end subroutine laws
 
@@ -237,7 +240,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
       integer, intent(in) :: from, n
-      type(joint_state_t), intent(in) :: state
+      type(legacy_block_t), intent(in) :: state
       real(wp), intent(in) :: e(BLOCK, 9), xl(BLOCK, 3), f(BLOCK, NDOF)
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
@@ -264,8 +267,8 @@ contains
       call add_cross(n, 1.0_wp, arm1, force, m1)
       call add_cross(n, -1.0_wp, arm2, force, m2)
       do i = 1, n
-         st = state%stiff(from + i - 1, 1)
-         lever = state%stiff(from + i - 1, 2) + st*(xl(i, 1)**2 + xl(i, 2)**2 + xl(i, 3)**2)
+         st = state%stiff(i, 1)
+         lever = state%stiff(i, 2) + st*(xl(i, 1)**2 + xl(i, 2)**2 + xl(i, 3)**2)
          wrench(W_FORCE:W_FORCE + 2, i) = force(i, :)
          wrench(W_MOMENT1:W_MOMENT1 + 2, i) = m1(i, :)
          wrench(W_MOMENT2:W_MOMENT2 + 2, i) = m2(i, :)

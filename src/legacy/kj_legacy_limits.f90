@@ -5,8 +5,9 @@ module kj_legacy_limits
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: joint_batch_t, joint_state_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, &
-      DOF_FREE, DOF_SLIDING, DOF_STICKING, DOF_AT_STOP, DOF_LOCKED, has_friction
+   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, DOF_FREE, &
+      DOF_SLIDING, DOF_STICKING, DOF_AT_STOP, DOF_LOCKED, has_friction
+   use kj_legacy_joint, only: legacy_block_t, legacy_limit_t
    use kj_block, only: BLOCK
    use kj_nodal_stiffness, only: step_stiffness
    use kj_legacy_law, only: add_spring, add_spring_curve_slope, add_damper, add_damper_curve, &
@@ -20,14 +21,15 @@ module kj_legacy_limits
 contains
 
    !> Force of each dof, and the time-step stiffness
-   pure subroutine limited_laws(batch, curves, time, h12, from, n, q, qdot, state, f)
+   pure subroutine limited_laws(batch, curves, time, h12, from, n, q, qdot, state, limit, f)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time
       real(wp), intent(in) :: h12                 !! of the cycle before, 0 in the first
       integer, intent(in) :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF), qdot(BLOCK, NDOF)
-      type(joint_state_t), intent(inout) :: state
+      type(legacy_block_t), intent(inout) :: state
+      type(legacy_limit_t), intent(inout) :: limit
       real(wp), intent(out) :: f(BLOCK, NDOF)
 
       real(wp) :: k_top(BLOCK, 2), c_top(BLOCK, 2), k_eff(BLOCK), cr(BLOCK), cr_top(BLOCK), &
@@ -40,19 +42,19 @@ contains
       c_top = 0.0_wp
       cr_top = 0.0_wp
       f = 0.0_wp
-      state%stored(from:to) = 0.0_wp
-      call lock_joints(batch, time, from, to, state)
+      limit%stored(:n) = 0.0_wp
+      call lock_joints(batch, time, from, n, state%q, limit)
       call find_reach(batch, from, n, q, reach)
       do dof = 1, NDOF
          s = merge(1, 2, dof <= 3)
          k_eff = 0.0_wp
          acts(:n) = joint_types(batch%row)%free(dof) == 0
          if (joint_types(batch%row)%free(dof) == 0) then
-            call add_spring(n, q(:, dof), state%k_block(from:to, s), f(:, dof), k_eff, k_top(:, s))
+            call add_spring(n, q(:, dof), limit%k_block(:n, s), f(:, dof), k_eff, k_top(:, s))
          else
             call add_elastic(batch, curves, from, n, dof, q(:, dof), f(:, dof), k_eff, k_top(:, s))
             call add_limits(batch, curves, time, h12, from, n, dof, q(:, dof), qdot(:, dof), &
-               reach(:, s), state, f(:, dof), k_eff, k_top(:, s), acts)
+               reach(:, s), limit, f(:, dof), k_eff, k_top(:, s), acts)
          end if
          cr(:n) = merge(batch%limit%cr(from:to), 0.0_wp, acts(:n))
          cr_top(:n) = max(cr_top(:n), cr(:n))
@@ -67,7 +69,7 @@ contains
       end do
       do s = 1, 2
          call step_stiffness(n, k_top(:, s), c_top(:, s), cr_top, batch%reduced(from:to, s), &
-            state%stiff(from:to, s))
+            state%stiff(:n, s))
       end do
    end subroutine limited_laws
 
@@ -91,20 +93,22 @@ contains
    end subroutine add_elastic
 
    !> Joints whose sensor has become active keep the q of the cycle before, moved inside the stops
-   pure subroutine lock_joints(batch, time, lo, hi, state)
+   pure subroutine lock_joints(batch, time, from, n, q, limit)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time
-      integer, intent(in) :: lo, hi
-      type(joint_state_t), intent(inout) :: state
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: q(BLOCK, NDOF)     !! of the cycle before
+      type(legacy_limit_t), intent(inout) :: limit
 
-      integer :: j, dof
+      integer :: i, j, dof
 
-      do j = lo, hi
-         if (state%locked(j) .or. .not. time > batch%limit%t_lock(j)) cycle
-         state%locked(j) = .true.
+      do i = 1, n
+         j = from + i - 1
+         if (limit%locked(i) > 0.0_wp .or. .not. time > batch%limit%t_lock(j)) cycle
+         limit%locked(i) = 1.0_wp
          do dof = 1, NDOF
-            associate (held => state%q_lock(j, dof))
-               held = state%q(j, dof)
+            associate (held => limit%q_lock(i, dof))
+               held = q(i, dof)
                if (batch%limit%lo(j, dof) < 0.0_wp) held = max(held, batch%limit%lo(j, dof))
                if (batch%limit%hi(j, dof) > 0.0_wp) held = min(held, batch%limit%hi(j, dof))
             end associate
@@ -134,14 +138,14 @@ contains
    end subroutine find_reach
 
    !> Friction, stop and lock of one free dof
-   pure subroutine add_limits(batch, curves, time, h12, from, n, dof, q, qdot, reach, state, f, &
+   pure subroutine add_limits(batch, curves, time, h12, from, n, dof, q, qdot, reach, limit, f, &
       k_eff, k_top, acts)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time, h12
       integer, intent(in) :: from, n, dof
       real(wp), intent(in) :: q(n), qdot(n), reach(n)
-      type(joint_state_t), intent(inout) :: state
+      type(legacy_limit_t), intent(inout) :: limit
       real(wp), intent(inout) :: f(n), k_eff(n), k_top(n)
       logical, intent(inout) :: acts(n)
 
@@ -151,7 +155,7 @@ contains
 
       to = from + n - 1
       s = merge(1, 2, dof <= 3)
-      associate (l => batch%limit, k_block => state%k_block(from:to, s))
+      associate (l => batch%limit, k_block => limit%k_block(:n, s))
          call plain_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), over, direction, nearby)
          call combined_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), &
             l%combined(from:to, dof), reach, over, direction, nearby)
@@ -159,19 +163,19 @@ contains
             l%slip_curve(from:to, dof))
          call add_friction(n, curves, l%slip_curve(from:to, dof), l%k(from:to, dof), &
             l%slip(from:to, dof), l%combined(from:to, dof), over, direction, q, qdot*h12, &
-            state%friction(from:to, dof), f, k_eff, k_top, state%slip_energy(from:to), slides, acts)
-         where (rubs(:n)) state%stored(from:to) = state%stored(from:to) + &
-            0.5_wp*state%friction(from:to, dof)**2/l%k(from:to, dof)
+            limit%friction(:n, dof), f, k_eff, k_top, limit%slip_energy(:n), slides, acts)
+         where (rubs(:n)) limit%stored(:n) = limit%stored(:n) + &
+            0.5_wp*limit%friction(:n, dof)**2/l%k(from:to, dof)
          call add_stop(n, rubs, l%k(from:to, dof), k_block, over, direction, nearby, f, k_eff, &
-            k_top, state%stored(from:to), acts)
-         locked(:n) = state%locked(from:to) .and. time <= l%t_free(from:to)
-         call add_lock(n, locked, k_block, q, state%q_lock(from:to, dof), f, k_eff, k_top, &
-            state%stored(from:to), acts)
+            k_top, limit%stored(:n), acts)
+         locked(:n) = limit%locked(:n) > 0.0_wp .and. time <= l%t_free(from:to)
+         call add_lock(n, locked, k_block, q, limit%q_lock(:n, dof), f, k_eff, k_top, &
+            limit%stored(:n), acts)
       end associate
-      state%flag(from:to, dof) = DOF_FREE
-      where (rubs(:n)) state%flag(from:to, dof) = merge(DOF_SLIDING, DOF_STICKING, slides(:n))
-      where (abs(over(:n)) > 0.0_wp) state%flag(from:to, dof) = DOF_AT_STOP
-      where (locked(:n)) state%flag(from:to, dof) = DOF_LOCKED
+      limit%flag(:n, dof) = DOF_FREE
+      where (rubs(:n)) limit%flag(:n, dof) = merge(DOF_SLIDING, DOF_STICKING, slides(:n))
+      where (abs(over(:n)) > 0.0_wp) limit%flag(:n, dof) = DOF_AT_STOP
+      where (locked(:n)) limit%flag(:n, dof) = DOF_LOCKED
    end subroutine add_limits
 
 end module kj_legacy_limits

@@ -1,7 +1,8 @@
 !> What the legacy scheme shows at t(n), between the two halves of a cycle.
 module kj_legacy_snapshot
    use kj_kinds, only: wp
-   use kj_joint_batch, only: joint_batch_t, joint_state_t
+   use kj_joint_batch, only: joint_batch_t
+   use kj_block, only: BLOCK
    use kj_model, only: model_t
    use kj_snapshot, only: snapshot_t, shown_joints_t, show_owner, show_node
    use kj_energy, only: balance_of
@@ -128,37 +129,45 @@ contains
       type(legacy_state_t), intent(in) :: state
       type(snapshot_t), intent(inout) :: now
 
-      integer :: b
+      integer :: b, at, from, to, n
 
       do b = 1, size(model%batch)
-         associate (s => state%joint(b), shown => now%joint(b))
-            shown%e = s%e
-            shown%q = s%q
-            shown%rate = s%qdot
-            shown%f = s%f
-            shown%energy = s%energy
-            call show_lengths(model%batch(b), state%world%x, s, shown)
-            if (.not. model%batch(b)%limited) cycle
-            shown%k_block = s%k_block
-            shown%stored = s%stored
-            shown%slip_energy = s%slip_energy
-            shown%flag = s%flag
+         associate (joint => state%joint(b), shown => now%joint(b))
+            do at = 1, size(joint%block)
+               from = (at - 1)*BLOCK + 1
+               to = min(at*BLOCK, model%batch(b)%n)
+               n = to - from + 1
+               associate (s => joint%block(at))
+                  shown%e(from:to, :) = s%e(:n, :)
+                  shown%q(from:to, :) = s%q(:n, :)
+                  shown%rate(from:to, :) = s%qdot(:n, :)
+                  shown%f(from:to, :) = s%f(:n, :)
+                  shown%energy(from:to) = s%energy(:n)
+               end associate
+               if (.not. allocated(joint%limit)) cycle
+               associate (l => joint%limit(at))
+                  shown%k_block(from:to, :) = l%k_block(:n, :)
+                  shown%stored(from:to) = l%stored(:n)
+                  shown%slip_energy(from:to) = l%slip_energy(:n)
+                  shown%flag(from:to, :) = nint(l%flag(:n, :))
+               end associate
+            end do
+            call show_lengths(model%batch(b), state%world%x, shown)
          end associate
       end do
    end subroutine show_joints
 
    !> Distances of nodes, and the largest angles by which two axes miss a right angle
-   pure subroutine show_lengths(batch, x, s, shown)
+   pure subroutine show_lengths(batch, x, shown)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: x(:, :)            !! (n_node, 3)
-      type(joint_state_t), intent(in) :: s
       type(shown_joints_t), intent(inout) :: shown
 
       real(wp) :: most
       integer :: j, k, l
 
       do j = 1, batch%n
-         associate (n1 => batch%node(j, 1), n2 => batch%node(j, 2), e => s%e)
+         associate (n1 => batch%node(j, 1), n2 => batch%node(j, 2), e => shown%e)
             shown%length(j) = sqrt((x(n2, 1) - x(n1, 1))**2 + (x(n2, 2) - x(n1, 2))**2 + &
                (x(n2, 3) - x(n1, 3))**2)
             most = 0.0_wp

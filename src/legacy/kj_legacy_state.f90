@@ -8,9 +8,8 @@ module kj_legacy_state
    use kj_plan, only: plan_t, new_plan
    use kj_lead_map, only: SPAN, N_SUM, N_WRENCH
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
-   use kj_nodal_stiffness, only: start_stiffness
    use kj_legacy_force, only: world_t
-   use kj_joint_batch, only: joint_state_t, new_joint_state
+   use kj_legacy_joint, only: legacy_joint_t, new_legacy_joint
    use kj_gravity, only: gravity_t, new_gravity
    use kj_snapshot, only: OWNER_NONE
    implicit none
@@ -75,7 +74,7 @@ module kj_legacy_state
       real(wp), allocatable :: w_before(:, :)
       integer, allocatable :: bcs_of(:)                    !! (n_lead) its conditions, 0 = none
       ! joints and springs
-      type(joint_state_t), allocatable :: joint(:)         !! one a batch
+      type(legacy_joint_t), allocatable :: joint(:)        !! one a batch
       real(wp), allocatable :: wrench(:, :)                !! (N_WRENCH, n_element)
       real(wp), allocatable :: part(:, :)                  !! (N_SUM, parts of hubs) their sums
       ! loads
@@ -199,8 +198,7 @@ contains
       end do
       allocate (state%joint(size(model%batch)))
       do i = 1, size(model%batch)
-         call new_joint_state(model%batch(i), state%joint(i))
-         call start_stiffness(model%batch(i), state%joint(i))
+         call new_legacy_joint(model%batch(i), state%joint(i))
       end do
       allocate (state%wrench(N_WRENCH, model%n_element), source=0.0_wp)
       allocate (state%part(N_SUM, size(state%plan%hub)), source=0.0_wp)
