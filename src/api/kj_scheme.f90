@@ -8,10 +8,11 @@ module kj_scheme
    use kj_block, only: block_of, lane_of
    use kj_joint_batch, only: has_friction
    use kj_model, only: model_t, STOP_BELOW, SCALE_MASS, SCALE_MASS_NEXT
-   use kj_snapshot, only: snapshot_t, new_snapshot
+   use kj_snapshot, only: snapshot_t, inside_t, new_snapshot
    use kj_legacy_state, only: legacy_state_t, new_legacy_state
    use kj_legacy_step, only: find_accelerations, advance
    use kj_legacy_snapshot, only: show_legacy, show_legacy_clock
+   use kj_legacy_inside, only: look_inside_legacy, legacy_stiffness
    use kj_legacy_warnings, only: warn_legacy, warn_large_turn
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
@@ -20,13 +21,15 @@ module kj_scheme
    use kj_consistent_march, only: march_t, start_march, march, check_state, SPLIT2, LIEMID, RKMK4
    use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
    use kj_consistent_snapshot, only: show_consistent, show_consistent_clock
+   use kj_consistent_inside, only: look_inside_consistent
+   use kj_consistent_nodal_step, only: nodal_stiffness
    use kj_consistent_change, only: put_load, put_velocity, put_pose
    use kj_run_option, only: run_options_t
    implicit none
    private
 
    public :: scheme_t, choose_scheme, check_scene, critical_factor, start_scheme, go_on, &
-      finish_scheme, advance_to, take_step, show, node_place, warn_after
+      finish_scheme, advance_to, take_step, show, look_inside, node_place, node_moves, warn_after
    public :: load_body, move_body, put_body, lock_place
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
@@ -53,6 +56,7 @@ module kj_scheme
       logical :: due = .false.                  !! stands at the time of a sample
       logical :: over = .false.                 !! stands at the end
       logical :: apart = .false.                !! islands stand at different times
+      integer :: pause = huge(1)                !! cycle that a trace wants to look at
       integer :: n_sample = 0                   !! samples so far, without that at the start
       real(wp) :: t_next = 0.0_wp               !! time of the next
    end type scheme_t
@@ -215,7 +219,7 @@ contains
       if (self%legacy) then
          call cycle_on(model%model_t, self, error)
       else
-         call march_on(model, self, look_cycles(model%model_t), self%t_next, arrived, error)
+         call march_on(model, self, cycles_ahead(model%model_t, self), self%t_next, arrived, error)
          self%due = arrived .and. .not. (self%t_next < self%n_sample*model%control%sample* &
             (1.0_wp - 1.0e-9_wp) .and. model%control%sample > 0.0_wp)
       end if
@@ -231,6 +235,15 @@ contains
       n = max(LEAST_LOOK, LOOK_WORK/max(1, model%n_joint + model%n_body))
    end function look_cycles
 
+   !> Cycles to the next look, of the monitor or of a trace
+   pure integer function cycles_ahead(model, self) result(n)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+
+      n = look_cycles(model)
+      if (self%pause > self%now%cycle) n = min(n, self%pause - self%now%cycle)
+   end function cycles_ahead
+
    !> Legacy cycles up to the next sample, the end, or the next look
    subroutine cycle_on(model, self, error)
       type(model_t), intent(in) :: model
@@ -240,7 +253,7 @@ contains
       logical :: last
       integer :: i, n
 
-      n = look_cycles(model)
+      n = cycles_ahead(model, self)
       associate (s => self%cycles, control => model%control)
          do i = 1, n
             call advance(model, s, error)
@@ -380,6 +393,51 @@ contains
          x = place_node(model, self%state, node)
       end if
    end function node_place
+
+   !> Whether node_place follows a node
+   pure logical function node_moves(model, self, node) result(moves)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+      integer, intent(in) :: node
+
+      moves = .true.
+      if (self%legacy) moves = node <= model%n_lead .or. any(self%cycles%crew%node == node)
+   end function node_moves
+
+   !> What an element does inside
+   subroutine look_inside(model, self, element, frame, inside)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+      integer, intent(in) :: element            !! index into model%joint
+      real(wp), intent(in) :: frame(9)          !! that the snapshot shows
+      type(inside_t), intent(out) :: inside
+
+      real(wp) :: kn(model%n_lead), kr(model%n_lead)
+      integer :: e
+
+      inside%nodal = self%legacy .or. self%nodal
+      associate (ref => model%joint(element))
+         if (self%legacy) then
+            call look_inside_legacy(model%model_t, self%cycles, element, inside)
+         else
+            call look_inside_consistent(model, self%state, element, frame, inside)
+            if (.not. self%nodal) then
+               inside%bound = self%march%bound%limit(model%batch(ref%batch)%first + ref%place)
+               return
+            end if
+            call nodal_stiffness(model, self%state, kn, kr)
+         end if
+         do e = 1, 2
+            associate (i => model%lead(ref%node(e)))
+               if (self%legacy) call legacy_stiffness(model%model_t, self%cycles, i, kn(i), kr(i))
+               if (self%now%mass(i) > 0.0_wp .and. kn(i) > 0.0_wp) &
+                  inside%bound = min(inside%bound, sqrt(2.0_wp*self%now%mass(i)/kn(i)))
+               if (self%now%inertia(i) > 0.0_wp .and. kr(i) > 0.0_wp) &
+                  inside%bound = min(inside%bound, sqrt(2.0_wp*self%now%inertia(i)/kr(i)))
+            end associate
+         end do
+      end associate
+   end subroutine look_inside
 
    !> What showed during a run
    subroutine warn_after(model, self, findings)

@@ -22,6 +22,8 @@ module kjoint
    use kj_run_option, only: run_options_t, run_options, set_run_option, find_run_option, &
       read_run_options, write_run_options
    use kj_scheme, only: scheme_t
+   use kj_trace, only: trace_plan_t, trace_t, traced_lead_t, TRACE_NAME, TRACE_JOINT, &
+      TRACE_SPRING, TRACE_BODY, TRACE_NODE
    use kj_host, only: joint_set_t, joint_spec_t, joint_result_t
    use kj_host_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
    use kj_host_force, only: joint_forces, joint_stiffness, critical_step, joint_count, &
@@ -35,6 +37,8 @@ module kjoint
    public :: run_options_t, run_options, set_run_option, find_run_option, read_run_options, &
       write_run_options
    public :: run_status_t, simulation_t, monitor_t
+   public :: trace_simulation, trace_t, traced_lead_t, TRACE_NAME, TRACE_JOINT, TRACE_SPRING, &
+      TRACE_BODY, TRACE_NODE
    public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
       simulation_options, default_output
    public :: check_t, limit_row_t, check_simulation
@@ -75,6 +79,7 @@ module kjoint
       type(run_options_t) :: options
       type(consistent_model_t) :: model         !! legacy reads that of all, model_t
       type(scheme_t) :: scheme                  !! formulation and state
+      type(trace_plan_t) :: trace
       type(history_t) :: history
       type(sampler_t) :: sampler
       real(wp), allocatable :: row(:)           !! the last sample, where the sink has no room
@@ -100,6 +105,7 @@ module kjoint
    type, abstract :: monitor_t
    contains
       procedure(tick_i), deferred :: tick
+      procedure :: see                          !! a traced cycle; nothing is done with it here
    end type monitor_t
 
    abstract interface
@@ -125,6 +131,24 @@ module kjoint
          type(finding_list_t), intent(inout) :: findings
          type(error_t), allocatable, intent(out) :: error
       end subroutine load_simulation
+
+      !> Trace joints, springs, bodies and nodes with these user ids in the cycles first to last of
+      !> the next runs: what they see and do goes to `see` of the monitor. No ids: no trace.
+      !>
+      !> Errors: ERR_INPUT when nothing has an id, the cycles are no range, no deck is loaded, or
+      !> islands march by themselves.
+      module subroutine trace_simulation(sim, ids, first, last, error)
+         type(simulation_t), intent(inout) :: sim
+         integer, intent(in) :: ids(:)
+         integer, intent(in) :: first, last
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine trace_simulation
+
+      !> What a monitor sees of one traced cycle: everything that was asked for
+      module subroutine see(self, trace)
+         class(monitor_t), intent(inout) :: self
+         type(trace_t), intent(in) :: trace(:)
+      end subroutine see
 
       !> Run a loaded scene from its start to its end; the sink is opened and closed here.
       !>

@@ -3,6 +3,7 @@ submodule (kjoint) kjoint_run
    use kj_error, only: fail, str
    use kj_system, only: wall_clock
    use kj_sample, only: sample_row
+   use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
    use kj_scheme, only: start_scheme, go_on, finish_scheme, show, warn_after
    implicit none
 
@@ -35,6 +36,38 @@ contains
       status%wall_output = status%wall_output + wall_clock() - clock
    end procedure run_simulation
 
+   module procedure trace_simulation
+      if (.not. sim%loaded) then
+         call fail(error, ERR_INPUT, 'no deck is loaded')
+      else if (sim%options%islands .and. size(ids) > 0) then
+         call fail(error, ERR_INPUT, 'islands march by themselves: a trace follows one scene')
+      else
+         call plan_trace(sim%model%model_t, ids, first, last, sim%trace, error)
+      end if
+      if (allocated(error)) sim%trace%last = -1
+   end procedure trace_simulation
+
+   module procedure see
+      associate (nobody => self, nothing => trace)
+      end associate
+   end procedure see
+
+   !> Show the monitor this cycle where it is traced, and pause at the next that is
+   subroutine look(sim, monitor)
+      type(simulation_t), intent(inout) :: sim
+      class(monitor_t), intent(inout) :: monitor
+
+      type(trace_t), allocatable :: trace(:)
+
+      associate (cycle => sim%scheme%now%cycle)
+         if (is_traced(sim%trace, cycle)) then
+            call take_trace(sim%model, sim%scheme, sim%trace, trace)
+            call monitor%see(trace)
+         end if
+         sim%scheme%pause = next_cycle(sim%trace, cycle)
+      end associate
+   end subroutine look
+
    !> From sample to sample. Islands stand at the same time at samples alone: stopped between them,
    !> their history ends at the last one.
    subroutine run_samples(sim, sink, monitor, status, clock, stop, error)
@@ -50,6 +83,7 @@ contains
       call start_scheme(sim%model, sim%scheme, error)
       associate (s => sim%scheme)
          do while (.not. allocated(error))
+            call look(sim, monitor)
             if (s%due .or. s%over .or. (stop .and. .not. s%apart)) &
                call add_row(sim, sink, clock, status, error)
             if (s%over .or. stop .or. allocated(error)) return

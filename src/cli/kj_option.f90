@@ -51,7 +51,7 @@ module kj_option
    integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, &
       OPT_REPRODUCIBLE = 4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, &
       OPT_RTOL = 9, OPT_INTERP = 10, OPT_WINDOW = 11, OPT_METRICS = 12, OPT_JUNIT = 13, &
-      OPT_ERROR = 14, OPT_SCALES = 15, OPT_STIFFNESS = 16
+      OPT_ERROR = 14, OPT_SCALES = 15, OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18
 
    !> One option of one command or more
    type :: option_t
@@ -96,7 +96,11 @@ module kj_option
       option_t(OPT_SCALES,       '',   '--scales',            'LIST',   'study', &
                'of --dt-scale to try, longest first; default 0.9,0.45,0.225,0.1125'), &
       option_t(OPT_STIFFNESS,    '',   '--stiffness',         'LIST',   'study', &
-               'of --kn-scale to try beside 1; default 0.1,0.01')]
+               'of --kn-scale to try beside 1; default 0.1,0.01'), &
+      option_t(OPT_TRACE,        '',   '--trace',             'ID,...', 'run', &
+               'print all that these joints, springs, bodies, nodes do; with --json in lines'), &
+      option_t(OPT_TRACE_CYCLES, '',   '--trace-cycles',      'A:B',    'run', &
+               'the cycles of --trace; default 0:9')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)

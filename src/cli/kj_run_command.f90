@@ -9,7 +9,8 @@ module kj_run_command
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_pair, json_findings
-   use kj_progress, only: progress_t, start_progress, end_progress, limiter, percent, rate, &
+   use kj_trace_command, only: tracer_t, start_trace, end_trace
+   use kj_progress, only: start_progress, end_progress, limiter, percent, rate, &
       SHOW_NOTHING, SHOW_STATUS, SHOW_LISTING
    use kj_sink_h5, only: sink_h5_t
    use kjoint, only: simulation_t, run_options_t, run_status_t, load_simulation, run_simulation, &
@@ -37,6 +38,7 @@ contains
 
       type(run_options_t) :: options
       type(simulation_t) :: sim
+      type(tracer_t) :: tracer
       type(finding_list_t) :: findings
       type(outcome_t) :: outcome
       type(error_t), allocatable :: error
@@ -47,10 +49,12 @@ contains
       if (.not. allocated(error)) call find_engine(args, options, engine, error)
       if (.not. allocated(error)) &
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
+      if (.not. allocated(error) .and. findings%n_error == 0) &
+         call start_trace(args, sim, tracer, error)
       if (.not. args%given(OPT_JSON)) call print_findings(findings, may_colour(STDERR), &
          args%given(OPT_VERBOSE), args%given(OPT_QUIET))
       if (.not. allocated(error) .and. findings%n_error == 0) &
-         call advance(sim, args, command_line, options%threads, outcome, error)
+         call advance(sim, args, command_line, options%threads, tracer, outcome, error)
       code = exit_code(findings, error)
       if (caught_signal() > 0) code = 128 + caught_signal()
       outcome%code = code
@@ -65,16 +69,16 @@ contains
    end subroutine run_command
 
    !> The run itself
-   subroutine advance(sim, args, command_line, threads, outcome, error)
+   subroutine advance(sim, args, command_line, threads, tracer, outcome, error)
       type(simulation_t), intent(inout) :: sim
       type(arguments_t), intent(in) :: args
       character(len=*), intent(in) :: command_line
       integer, intent(in) :: threads
+      type(tracer_t), intent(inout) :: tracer
       type(outcome_t), intent(inout) :: outcome
       type(error_t), allocatable, intent(out) :: error
 
       type(sink_h5_t) :: sink
-      type(progress_t) :: progress
       real(wp) :: started
       integer :: show
 
@@ -89,9 +93,10 @@ contains
       if (may_overwrite(STDERR) .and. .not. args%given(OPT_VERBOSE)) show = SHOW_STATUS
       if (args%given(OPT_QUIET)) show = SHOW_NOTHING
       started = wall_clock()
-      call start_progress(progress, show)
-      call run_simulation(sim, sink, progress, outcome%status, error)
-      call end_progress(progress)
+      call start_progress(tracer%progress_t, show)
+      call run_simulation(sim, sink, tracer, outcome%status, error)
+      call end_progress(tracer%progress_t)
+      call end_trace(tracer)
       outcome%elapsed = wall_clock() - started
       outcome%verdict = 'NORMAL TERMINATION'
       if (caught_signal() > 0) outcome%verdict = 'STOPPED BY USER'

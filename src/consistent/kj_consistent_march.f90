@@ -101,17 +101,18 @@ contains
 
       arrived = .not. t_end > state%time
       if (arrived) return
+      left = steps
       if (self%left == 0 .or. abs(t_end - self%t_end) > 0.0_wp) then
          if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
             call change_step(model, self%first, state)
             call take_steps(model, self%integrator, self%first, 1, state)
+            left = left - 1
          end if
          self%t_end = t_end
          self%since = 0
          call watch_stops(model, state, self%limit, LOOK, self%contact)
          call divide_way(model, self, state)
       end if
-      left = steps
       do while (left > 0)
          now = min(left, self%left, LOOK - self%since)
          call take_steps(model, self%integrator, self%h, now, state)

@@ -8,7 +8,7 @@ module kj_snapshot
    implicit none
    private
 
-   public :: snapshot_t, shown_joints_t, balance_t, new_snapshot, show_owner, show_node
+   public :: snapshot_t, shown_joints_t, inside_t, balance_t, new_snapshot, show_owner, show_node
 
    !> Who limits the step
    integer, parameter, public :: OWNER_NONE = 0, OWNER_NODE = 1, OWNER_BODY = 2, OWNER_JOINT = 3
@@ -39,6 +39,17 @@ module kj_snapshot
       real(wp), allocatable :: slip_energy(:)    !! (n) energy that sliding took
       integer, allocatable :: flag(:, :)         !! (n, 6) DOF_ constant
    end type shown_joints_t
+
+   !> What one joint or spring does inside; nobody but a trace asks
+   type :: inside_t
+      logical :: told_apart = .false.            !! `elastic`, `damping` are known: not in legacy
+      !> forces of its laws on node 1, J: springs, stops and lock; dampers; friction
+      real(wp), dimension(NDOF) :: elastic = 0.0_wp, damping = 0.0_wp, friction = 0.0_wp
+      real(wp) :: force(3) = 0.0_wp              !! on end 1, W; the other end gets the opposite
+      real(wp) :: moment(3, 2) = 0.0_wp          !! about the leads of ends 1 and 2, W
+      real(wp) :: bound = huge(1.0_wp)           !! step that it allows, unscaled
+      logical :: nodal = .false.                 !! nodal rule of its leads, else the safe bound
+   end type inside_t
 
    !> The scene; vectors in W where nothing else is said
    type :: snapshot_t

@@ -174,6 +174,119 @@ class Run(Program):
             self.assertEqual(json.loads(first)[key], json.loads(second)[key])
 
 
+class Trace(Program):
+    """What --trace says of the bar on a hinge, against values worked out by hand."""
+
+    DECK = SOURCE / "decks" / "revolute_pendulum_0000.rad"
+    MASS, GRAVITY = 1.5, 9.81
+
+    def trace(self, *words, ids="901,2", cycles="0:1", **how):
+        return self.kjoint("run", self.DECK, "--until", "0.002", "--sample", "0.001", "--trace", ids,
+                           "--trace-cycles", cycles, *words, **how)
+
+    def records(self, *words, **how):
+        """By kind and cycle; the last line is the summary."""
+        *lines, summary = map(json.loads, self.trace("--json", *words, **how).stdout.splitlines())
+        self.assertEqual(0, summary["exit_code"])
+        return {(line["trace"], line["cycle"]): line for line in lines}
+
+    def assert_near(self, wanted, got, tolerance):
+        self.assertEqual(len(wanted), len(got))
+        for a, b in zip(wanted, got):
+            self.assertLessEqual(abs(a - b), tolerance, (wanted, got))
+
+    def test_the_start_is_free_fall(self):
+        for words in ([], ["--legacy"]):
+            records = self.records(*words)
+            self.assertEqual({("joint", 0), ("body", 0), ("joint", 1), ("body", 1)}, set(records))
+            joint, body = records["joint", 0], records["body", 0]
+            self.assertEqual(0.0, joint["time"])
+            for name in ("q", "rate", "force", "friction"):
+                self.assert_near([0.0]*6, joint[name], 1e-9)  # Kn 1e6 times rounding
+            self.assertEqual([(101, 1), (201, 2)], [(e["node"], e["carrier_id"]) for e in joint["ends"]])
+            # axis of the hinge along y, towards the third node along z
+            self.assert_near([0, 1, 0, 0, 0, 1, 1, 0, 0], joint["frame"], 1e-12)
+            self.assertEqual([0.5, 0.0, 0.0], body["position"])
+            self.assert_near([1, 0, 0, 0], body["attitude"], 1e-12)
+            self.assert_near([0, 0, -self.GRAVITY], body["acceleration"], 1e-9)
+            self.assert_near([0, 0, -self.MASS*self.GRAVITY], body["force"], 1e-9)
+            self.assertEqual([901], body["joints"])
+
+    def test_newton_holds_and_laws_add_up(self):
+        for words in ([], ["--legacy"]):
+            records = self.records(*words, cycles="5:6")
+            for cycle in (5, 6):
+                joint, body = records["joint", cycle], records["body", cycle]
+                end = joint["ends"][1]
+                self.assertGreater(end["force"][2], 0.0)      # the hinge holds the bar
+                self.assert_near([self.MASS*a for a in body["acceleration"]],
+                                 [f - w for f, w in zip(end["force"],
+                                                        (0, 0, self.MASS*self.GRAVITY))], 1e-9)
+                # about the centre, half a metre from the hinge; inertia 0.125
+                self.assertLess(abs(end["moment"][1] - 0.5*end["force"][2]), 1e-6*end["force"][2])
+                self.assertLess(abs(end["moment"][1] - 0.125*body["omega_dot"][1]), 1e-9)
+                self.assert_near([-f for f in joint["ends"][0]["force"]], end["force"], 0.0)
+                if words:
+                    self.assertIsNone(joint["elastic"])
+                    self.assertLess(joint["velocity_time"], joint["time"])
+                    continue
+                self.assert_near([sum(laws) for laws in zip(joint["elastic"], joint["damping"],
+                                                            joint["friction"])],
+                                 joint["force"], 1e-12)
+                self.assert_near([1.0e6*q for q in joint["q"][:3]], joint["elastic"][:3], 1e-9)
+
+    def test_the_bound_is_that_of_the_bar_about_its_length(self):
+        joint = self.records()["joint", 0]                    # Kn 1e6 N m/rad on 0.002 kg m^2
+        self.assertEqual("safe", joint["bound_rule"])
+        self.assertLess(abs(joint["bound"]/(2.0/(1.0e6/0.002)**0.5) - 1.0), 0.004)
+        self.assertEqual("nodal", self.records("--legacy")["joint", 0]["bound_rule"])
+
+    def test_a_node_moves_with_its_body(self):
+        for words in ([], ["--legacy"]):
+            node = self.records(*words, ids="203", cycles="6:6")["node", 6]
+            lead = node["lead"]
+            self.assertEqual(("body", 2), (lead["carrier"], lead["carrier_id"]))
+            self.assert_near([-0.5, 0.0, 0.1],
+                             [a - b for a, b in zip(node["position"], lead["position"])], 1e-6)
+            w = lead["omega"][1]                              # v = v0 + w x r
+            self.assert_near([0.1*w, 0.0, 0.5*w],
+                             [a - b for a, b in zip(node["velocity"], lead["velocity"])], 1e-8)
+
+    def test_tables_fit_a_terminal_and_stand_alone_when_quiet(self):
+        for words in (["-q"], ["-q", "--legacy"]):
+            lines = self.trace(*words, ids="901,2,203", cycles="3:4").stdout.splitlines()
+            self.assertLessEqual(max(map(len, lines)), 80)
+            heads = [line.split()[:4] for line in lines if " cycle " in line]
+            self.assertEqual([[kind, name, "cycle", cycle] for cycle in "34"
+                              for kind, name in (("joint", "901"), ("body", "2"), ("node", "203"))],
+                             heads)
+            self.assertEqual(2, sum(" q       rate    elastic" in line for line in lines))
+
+    def test_springs_are_traced(self):
+        self.DECK = SOURCE / "decks" / "spring_mount_0000.rad"
+        hint = self.trace(ids="999999", code=2).stderr
+        spring = re.search(r"springs (\d+)", hint)[1]
+        self.assertIn(("spring", 0), self.records(ids=spring, cycles="0:0"))
+
+    def test_the_history_is_the_same(self):
+        for words in ([], ["--legacy"]):
+            self.trace("-q", *words, "-o", "a.h5", cycles="3:40")
+            self.kjoint("run", self.DECK, "--until", "0.002", "--sample", "0.001", "-q", *words,
+                        "-o", "b.h5")
+            self.kjoint("diff", "a.h5", "b.h5", "--profile", "exact")
+
+    def test_what_is_not_there_is_a_usage_error(self):
+        said = self.trace(ids="7", code=2).stderr
+        self.assertIn("no joint, spring, body or node 7", said)
+        self.assertIn("joints 901; bodies 1, 2; nodes 100", said)
+        for ids, cycles, words in (("901,x", "0:1", "ids"), ("901,", "0:1", "ids"),
+                                   ("901", "3", "A:B"), ("901", "5:2", "A <= B")):
+            self.assertIn(words, self.trace(ids=ids, cycles=cycles, code=2).stderr)
+        self.kjoint("run", self.DECK, "--trace-cycles", "0:1", code=2)
+        self.trace("--islands", code=2)
+        self.assertIn("nothing was traced", self.trace(cycles="90000:90001").stderr)
+
+
 class Check(Program):
     """What `kjoint check` tells of joints with limits: the numbers typed in the decks."""
 
