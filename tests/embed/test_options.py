@@ -7,7 +7,6 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 import numpy as np
@@ -61,13 +60,6 @@ def same(a, b):
     return all(np.array_equal(x, y) for x, y in zip(samples(a), samples(b)))
 
 
-def tasks(process):
-    try:
-        return len(os.listdir(f"/proc/{process}/task"))
-    except OSError:
-        return 0
-
-
 class Options(unittest.TestCase):
     def test_each_option_is_tried(self):
         self.assertEqual(set(kjoint.options()), set(OTHER))
@@ -110,15 +102,15 @@ class Options(unittest.TestCase):
                         self.assertEqual(diff.returncode, 0, diff.stdout)
 
     def test_threads(self):
-        """One more thread with the option than without, on each side."""
-        if not openmp() or not tasks("self"):
-            self.skipTest("no OpenMP, or a system that does not tell the threads")
+        """Two threads with the option, one without, on each side."""
+        if not openmp():
+            self.skipTest("no OpenMP")
         for name, beside in THREADS.items():
             for side in ("over_python", "over_c", "program")[:3 if PROGRAM else 2]:
                 with self.subTest(name=name, side=side):
-                    with_it, without = (most_threads(side, {**BASE, **beside, **more, "dt_scale": 0.01})
-                                        for more in ({name: OTHER[name]}, {}))
-                    self.assertEqual(with_it, without + 1)
+                    options = {**BASE, **beside, "until": 1e-3}
+                    self.assertEqual(threads_of(side, options), 0)
+                    self.assertEqual(threads_of(side, {**options, name: OTHER[name]}), 2)
 
 
 def openmp():
@@ -126,19 +118,17 @@ def openmp():
         return "libgomp" in maps.read()
 
 
-def most_threads(side, options):
-    """Threads of a process that runs the deck."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+def threads_of(side, options):
+    """Threads that OpenMP tells of, in a process that runs the deck; one alone does not count."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OMP_DISPLAY_AFFINITY": "TRUE",
+                   "OMP_AFFINITY_FORMAT": "thread %n of %N"}
     command = [sys.executable, os.path.abspath(__file__), "--run", side, text_of(options)]
     if side == "program":
         command = [PROGRAM, "run", str(DECK), "-q", "-o", "threads.h5", *words_of(options)]
-    most = 0
-    with tempfile.TemporaryDirectory() as folder, \
-            subprocess.Popen(command, env=environment, cwd=folder) as process:
-        while process.poll() is None:
-            most = max(most, tasks(process.pid))
-            time.sleep(1e-3)
-    return most
+    with tempfile.TemporaryDirectory() as folder:
+        run = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True,
+                             check=True)
+    return sum(line.startswith("thread ") for line in (run.stdout + run.stderr).splitlines())
 
 
 if __name__ == "__main__":
