@@ -1,6 +1,6 @@
 !> THE table of joint types: which local dofs are free, how the joint frame turns, how its angles
 !> are counted. A joint type has no code of its own: its physics is its row here plus the laws of
-!> its dofs. docs/architecture.md lists what a new row needs beside it.
+!> its dofs. CONTRIBUTING.md lists what a new row needs beside it.
 module kj_joint_types
    use kj_error, only: str, width_of
    implicit none

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Check what README.md and docs/ show: snippets run, cards are those of a deck, links lead
+"""Check what README.md, CONTRIBUTING.md and docs/ show: snippets run, cards are those of a deck, links lead
 somewhere, sources in comments exist, plots are drawn.
 
 usage: test_documents.py KJOINT WORK_DIR [LIBRARY]     (needs all of tools/requirements.txt)
@@ -13,7 +13,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).parents[2]
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
+DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "tests" / "README.md",
+             *sorted((ROOT / "docs").glob("**/*.md"))]
 PLOT = ROOT / "tools" / "plot_history.py"
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
