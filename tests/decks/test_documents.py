@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Check what README.md, CONTRIBUTING.md and docs/ show: snippets run, cards are those of a deck, links lead
-somewhere, sources in comments exist, plots are drawn.
+somewhere, modules and sources in comments exist, plots are drawn.
 
 usage: test_documents.py KJOINT WORK_DIR [LIBRARY]     (needs all of tools/requirements.txt)
 
@@ -71,6 +71,16 @@ def citations():
                     yield f"{path.name}: no section {number} in docs/theory/{name}"
 
 
+def names():
+    """Names of modules, or of the C interface, in documents that the source does not have."""
+    modules = {path.stem for path in (ROOT / "src").rglob("*.*")}
+    header = (ROOT / "include" / "kjoint.h").read_text()
+    for document in DOCUMENTS:
+        for name in sorted(set(re.findall(r"`(kj_\w+)(?:\.\w+)?`", document.read_text()))):
+            if name not in modules and name not in header:
+                yield f"{document.name}: no {name}"
+
+
 def plots(work):
     """Plots that are not drawn, and wrong names that are not refused."""
     for channels in ([], ["energy_error"], ["rigid_body/position[piston].x", "joint/force.norm"],
@@ -95,8 +105,8 @@ def main(kjoint, folder, library=None):
     deck = ROOT / "decks" / "slider_crank_0000.rad"
     program = pathlib.Path(kjoint).resolve()
     subprocess.run([program, "run", "-q", deck], cwd=work, check=True)
-    problems = [*snippets(work), *cards(), *links(), *citations(), *plots(work)]
-    print("\n".join(problems) or "all snippets, cards, links, sources and plots are well")
+    problems = [*snippets(work), *cards(), *links(), *citations(), *names(), *plots(work)]
+    print("\n".join(problems) or "all snippets, cards, links, sources, names and plots are well")
     return 1 if problems else 0
 
 
