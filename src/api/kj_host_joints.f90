@@ -5,9 +5,8 @@ module kj_host_joints
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_joint_types, only: joint_types, find_joint_type, NDOF, FRAME_MEAN, FRAME_FIRST, &
       FRAME_CROSS
-   use kj_joint_draft, only: property_t, joint_t
-   use kj_build_joint, only: set_constants
-   use kj_build_batch, only: fill_batches
+   use kj_draft, only: property_t, joint_t
+   use kj_build_joint, only: set_constants, fill_batches
    use kj_attach_joint, only: mean_frame
    use kj_skew, only: skew_axes
    use kj_host, only: joint_spec_t, joint_set_t

@@ -2,10 +2,12 @@
 submodule (kjoint) kjoint_impl
    use kj_run_option, only: settle_run_options
    use kj_error, only: fail
-   use kj_deck, only: read_deck, deck_t, source_t
+   use kj_deck, only: read_deck
+   use kj_deck_text, only: deck_t, source_t
    use kj_engine, only: engine_t, read_engine
    use kj_build, only: build_model
-   use kj_kn_scale, only: scale_blocking
+   use kj_build_joint, only: scale_blocking
+   use kj_draft, only: draft_t
    use kj_joint_types, only: joint_types
    use kj_model, only: model_t
    use kj_sample, only: new_sampler
@@ -15,7 +17,7 @@ submodule (kjoint) kjoint_impl
 contains
 
    module procedure load_simulation
-      type(deck_t) :: deck
+      type(draft_t) :: draft
       type(source_t) :: engine_source
       type(engine_t) :: controls
       character(len=:), allocatable :: path
@@ -25,16 +27,18 @@ contains
       call settle_run_options(sim%options, error)
       if (allocated(error)) return
       call choose_scheme(sim%options, sim%scheme)
-      call read_deck(starter, deck, findings, options%ignore_unsupported)
+      draft%deck%findings = findings
+      call read_deck(starter, draft%deck, options%ignore_unsupported)
       if (options%until >= 0.0_wp .and. len(engine) == 0) then
          controls%t_stop = options%until
       else
          path = engine
          if (len(path) == 0) path = starter(:root_length(starter))//'_0001.rad'   ! of the engine
-         call read_engine(path, controls, engine_source, findings, options%ignore_unsupported)
+         call read_engine(path, controls, engine_source, draft%deck%findings, &
+            options%ignore_unsupported)
       end if
-      if (.not. deck%readable) return
-      call build_model(deck, controls, sim%model%model_t, findings, sim%scheme%legacy)
+      if (draft%deck%readable) call build_model(draft, controls, sim%model%model_t, sim%legacy)
+      findings = draft%deck%findings
       if (findings%n_error > 0) return
       associate (c => sim%model%control)
          if (options%until >= 0.0_wp) c%t_stop = options%until
@@ -52,7 +56,7 @@ contains
       call check_scene(sim%scheme, sim%model, options%dt_scale, findings, error)
       if (allocated(error)) return
       call describe(sim)
-      call keep_inputs(deck, engine_source, sim%history)
+      call keep_inputs(draft%deck, engine_source, sim%history)
       sim%load_scale = sim%model%cload%y_scale
       sim%loaded = .true.
    end procedure load_simulation

@@ -1,25 +1,67 @@
 !> Starter decks: file(s) -> blocks of lines with their origin, format version and units.
+!>
+!> A unit is a prefix and g, m or s, or its SI value.
 module kj_deck
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE, str
+   use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE, str
    use kj_units, only: unit_system_t, factor_of
    use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_KJOINT2, KW_INIVEL_AXIS
    use kj_card_fields, only: field_range
-   use kj_deck_text, only: source_t, block_t, deck_t, line_text, place_of, title_of, block_units, &
-      report_header, add_deck_finding, header_end, mute_block
+   use kj_deck_text, only: deck_t, report_header, mute_block, report_line
    use kj_deck_scan, only: scan_deck
-   use kj_cards_once, only: cards_t, read_cards, int_of, text_of, report
-   use kj_deck_units, only: read_unit
+   use kj_cards, only: cards_t, read_cards, int_of, text_of, report
+   use kj_number, only: parse_real, NUMBER_FINE
    implicit none
    private
 
-   public :: source_t, block_t, deck_t, read_deck, line_text, place_of, title_of, block_units, &
-      report_header, add_deck_finding
+   public :: read_deck
 
    integer, parameter :: NEWEST = 2612          !! newest format version
    integer, parameter :: VERSIONS(*) = [51, 90, 100, 110, 120, 140, 2017, 2018, 2019, 2020, 2021, &
       2022, 2023, 2024, 2025, 2026, NEWEST]
    character(len=6), parameter :: QUANTITY(3) = ['mass  ', 'length', 'time  ']
+
+   !> What a base unit is called
+   integer, parameter :: UNIT_MASS = 1, UNIT_LENGTH = 2, UNIT_TIME = 3
+
+   !> A prefix of a unit
+   type :: prefix_t
+      character(len=2) :: name       !! as in a deck
+      character(len=2) :: symbol     !! as in UDUNITS
+      real(wp)         :: value
+      real(wp)         :: of_gram    !! SI value of the gram with it: rounded once
+   end type prefix_t
+
+   type(prefix_t), parameter :: prefixes(*) = [ &
+      prefix_t('',   '',   1e0_wp,   1e-3_wp),  &
+      prefix_t('k',  'k',  1e3_wp,   1e0_wp),   &
+      prefix_t('m',  'm',  1e-3_wp,  1e-6_wp),  &
+      prefix_t('M',  'M',  1e6_wp,   1e3_wp),   &
+      prefix_t('mu', 'u',  1e-6_wp,  1e-9_wp),  &
+      prefix_t('u',  'u',  1e-6_wp,  1e-9_wp),  &
+      prefix_t('n',  'n',  1e-9_wp,  1e-12_wp), &
+      prefix_t('p',  'p',  1e-12_wp, 1e-15_wp), &
+      prefix_t('f',  'f',  1e-15_wp, 1e-18_wp), &
+      prefix_t('a',  'a',  1e-18_wp, 1e-21_wp), &
+      prefix_t('z',  'z',  1e-21_wp, 1e-24_wp), &
+      prefix_t('y',  'y',  1e-24_wp, 1e-27_wp), &
+      prefix_t('c',  'c',  1e-2_wp,  1e-5_wp),  &
+      prefix_t('d',  'd',  1e-1_wp,  1e-4_wp),  &
+      prefix_t('da', 'da', 1e1_wp,   1e-2_wp),  &
+      prefix_t('h',  'h',  1e2_wp,   1e-1_wp),  &
+      prefix_t('K',  'k',  1e3_wp,   1e0_wp),   &
+      prefix_t('G',  'G',  1e9_wp,   1e6_wp),   &
+      prefix_t('T',  'T',  1e12_wp,  1e9_wp),   &
+      prefix_t('P',  'P',  1e15_wp,  1e12_wp),  &
+      prefix_t('E',  'E',  1e18_wp,  1e15_wp),  &
+      prefix_t('Z',  'Z',  1e21_wp,  1e18_wp),  &
+      prefix_t('Y',  'Y',  1e24_wp,  1e21_wp)]
+
+   !> SI values beyond make factors and products of them that no real holds
+   real(wp), parameter :: LEAST = 1.0e-30_wp, MOST = 1.0e30_wp
+
+   character(len=1), parameter :: BASE(3) = ['g', 'm', 's']
+   character(len=2), parameter :: SI_SYMBOL(3) = ['kg', 'm ', 's ']
 
 contains
 
@@ -27,10 +69,9 @@ contains
    !>
    !> Never stops at a finding. deck%readable is .false. when there is no sense in going on.
    !> Errors: findings with code ERR_FILE when a file cannot be read, else ERR_INPUT.
-   subroutine read_deck(path, deck, findings, ignore_unsupported)
+   subroutine read_deck(path, deck, ignore_unsupported)
       character(len=*), intent(in) :: path
-      type(deck_t), intent(out) :: deck
-      type(finding_list_t), intent(inout) :: findings
+      type(deck_t), intent(inout) :: deck      !! a new one; what is found joins its findings
       logical, intent(in), optional :: ignore_unsupported  !! unknown keywords only warn; .false.
 
       logical :: ignore
@@ -38,18 +79,17 @@ contains
       ignore = .false.
       if (present(ignore_unsupported)) ignore = ignore_unsupported
       call field_range(deck%field_first, deck%field_last)
-      call scan_deck(path, deck, findings, ignore)
+      call scan_deck(path, deck, ignore)
       if (.not. deck%readable) return
-      call read_begin(deck, findings)
-      call read_local_units(deck, findings)
-      call check_unit_ids(deck, findings)
-      call check_layouts(deck, findings)
+      call read_begin(deck)
+      call read_local_units(deck)
+      call check_unit_ids(deck)
+      call check_layouts(deck)
    end subroutine read_deck
 
    !> Read /BEGIN: version and units
-   subroutine read_begin(deck, findings)
+   subroutine read_begin(deck)
       type(deck_t), intent(inout) :: deck
-      type(finding_list_t), intent(inout) :: findings
 
       type(cards_t) :: cards
       integer :: i, begin
@@ -58,25 +98,24 @@ contains
       do i = 1, deck%n_block
          if (deck%block(i)%keyword /= KW_BEGIN) cycle
          if (begin > 0) call report_header(deck, i, SEV_ERROR, 'KJ-9038', 'a second /BEGIN', &
-            'the first one holds', findings)
+            'the first one holds')
          if (begin == 0) begin = i
       end do
       if (begin == 0) then
-         call add_deck_finding(deck, min(1, deck%n_line), 1, header_end(deck, 1), SEV_ERROR, &
-            'KJ-0573', 'the deck has no /BEGIN, so no units', 'expected: /BEGIN', findings)
+         call report_line(deck, min(1, deck%n_line), SEV_ERROR, 'KJ-0573', &
+            'the deck has no /BEGIN, so no units', 'expected: /BEGIN')
          deck%version = NEWEST
          return
       end if
-      call read_cards(deck, begin, cards, findings)
-      call choose_version(deck, cards, findings)
-      call read_units(deck, cards, findings)
+      call read_cards(deck, begin, cards)
+      call choose_version(deck, cards)
+      call read_units(deck, cards)
    end subroutine read_begin
 
    !> Choose the version of the layouts
-   subroutine choose_version(deck, cards, findings)
+   subroutine choose_version(deck, cards)
       type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
-      type(finding_list_t), intent(inout) :: findings
 
       deck%invers = int_of(cards, 'invers')
       deck%version = deck%invers
@@ -86,49 +125,49 @@ contains
          call report(deck, cards, 'invers', SEV_ERROR, 'KJ-9027', &
             'format versions up to 44 have '// &
             'cards of 8 columns a field, which are not supported', 'expected: 51 to 2026', &
-            findings, &
             'convert the deck; a deck with fields of 10 columns may just say 2026')
          deck%readable = .false.
       else
          call report(deck, cards, 'invers', SEV_WARNING, 'KJ-9029', 'format version '// &
-            str(deck%invers)//' is not known', 'read as the newest one', findings)
+            str(deck%invers)//' is not known', 'read as the newest one')
       end if
    end subroutine choose_version
 
    !> Read the two triples of /BEGIN; one that is blank is copied from the other
-   subroutine read_units(deck, cards, findings)
+   subroutine read_units(deck, cards)
       type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
-      type(finding_list_t), intent(inout) :: findings
 
+      type(unit_system_t) :: input, work
       integer :: i
       logical :: has_input, has_work
 
-      call read_triple(deck, cards, '_input', deck%input, has_input, findings)
-      call read_triple(deck, cards, '_work', deck%work, has_work, findings)
+      call read_triple(deck, cards, '_input', input, has_input)
+      call read_triple(deck, cards, '_work', work, has_work)
       if (.not. (has_input .or. has_work)) then
          call report(deck, cards, 'mass_input', SEV_ERROR, 'KJ-0574', '/BEGIN has no units', &
-            'expected: units of mass, length and time', findings, 'for example kg, m, s')
+            'expected: units of mass, length and time', 'for example kg, m, s')
       end if
-      if (.not. has_input) deck%input = deck%work
-      if (.not. has_work) deck%work = deck%input
+      if (.not. has_input) input = work
+      if (.not. has_work) work = input
+      deck%input = input
+      deck%work = work
       do i = 1, size(deck%factor)
          deck%factor(i) = factor_of(i, deck%input, deck%work)
       end do
       if (any(abs(deck%input%si - deck%work%si) > 0.0_wp)) then
          call report(deck, cards, 'mass_work', SEV_NOTE, 'KJ-0754', &
-            'input units and work units differ', 'results are in work units', findings)
+            'input units and work units differ', 'results are in work units')
       end if
    end subroutine read_units
 
    !> Read three units; given = .false. when all three are blank
-   subroutine read_triple(deck, cards, suffix, units, given, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_triple(deck, cards, suffix, units, given)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: suffix    !! of the names of the fields
       type(unit_system_t), intent(inout) :: units
       logical, intent(out) :: given
-      type(finding_list_t), intent(inout) :: findings
 
       character(len=:), allocatable :: text, name
       logical :: found
@@ -144,16 +183,14 @@ contains
          text = text_of(cards, name)
          call read_unit(text, i, units%si(i), units%symbol(i), found)
          if (.not. found) call report(deck, cards, name, SEV_ERROR, 'KJ-0573', &
-            'the unit of '//trim(QUANTITY(i))//' is not understood', &
-            'expected: a prefix and '//'gms'(i:i)//', or the SI value, 1e-30 to 1e30', &
-            findings)
+            'the unit of '//trim(QUANTITY(i))//' is not understood', 'expected: a prefix and '// &
+            'gms'(i:i)//', or the SI value, 1e-30 to 1e30')
       end do
    end subroutine read_triple
 
    !> Read all /UNIT blocks
-   subroutine read_local_units(deck, findings)
+   subroutine read_local_units(deck)
       type(deck_t), intent(inout) :: deck
-      type(finding_list_t), intent(inout) :: findings
 
       type(cards_t) :: cards
       type(unit_system_t) :: units
@@ -165,14 +202,14 @@ contains
       allocate (deck%unit_id(n), deck%unit(n))
       do i = 1, deck%n_block
          if (deck%block(i)%keyword /= KW_UNIT) cycle
-         call read_cards(deck, i, cards, findings)
+         call read_cards(deck, i, cards)
          units = deck%input
-         call read_triple(deck, cards, '', units, given, findings)
+         call read_triple(deck, cards, '', units, given)
          if (.not. given) call report(deck, cards, 'mass', SEV_ERROR, 'KJ-0573', &
-            '/UNIT has no units', 'expected: units of mass, length and time', findings)
+            '/UNIT has no units', 'expected: units of mass, length and time')
          if (any(deck%unit_id(:deck%n_unit) == deck%block(i)%id)) call report_header(deck, i, &
             SEV_ERROR, 'KJ-0079', '/UNIT/'//str(deck%block(i)%id)//' is defined twice', &
-            'second definition', findings)
+            'second definition')
          deck%n_unit = deck%n_unit + 1
          deck%unit_id(deck%n_unit) = deck%block(i)%id
          deck%unit(deck%n_unit) = units
@@ -180,9 +217,8 @@ contains
    end subroutine read_local_units
 
    !> Every unit id in a header must be defined
-   subroutine check_unit_ids(deck, findings)
-      type(deck_t), intent(in) :: deck
-      type(finding_list_t), intent(inout) :: findings
+   subroutine check_unit_ids(deck)
+      type(deck_t), intent(inout) :: deck
 
       character(len=:), allocatable :: known
       integer :: i
@@ -192,14 +228,13 @@ contains
          if (any(deck%unit_id(:deck%n_unit) == deck%block(i)%unit_id)) cycle
          known = trim(id_list(deck%unit_id(:deck%n_unit)))
          call report_header(deck, i, SEV_ERROR, 'KJ-0659', '/UNIT/'//str(deck%block(i)%unit_id)// &
-            ' is not defined', 'the last number is the id of a /UNIT', findings, known)
+            ' is not defined', 'the last number is the id of a /UNIT', known)
       end do
    end subroutine check_unit_ids
 
    !> Keywords whose cards are another matter in an old format version
-   subroutine check_layouts(deck, findings)
+   subroutine check_layouts(deck)
       type(deck_t), intent(inout) :: deck
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: i
 
@@ -207,11 +242,11 @@ contains
          if (deck%block(i)%keyword == KW_KJOINT2 .and. deck%version < 2019) then
             call report_header(deck, i, SEV_ERROR, 'KJ-9028', '/PROP/KJOINT2 had other cards '// &
                'before version 2019, which are not supported', 'the deck has version '// &
-               str(deck%invers), findings, 'convert the property and raise the version in /BEGIN')
+               str(deck%invers), 'convert the property and raise the version in /BEGIN')
             call mute_block(deck, i)
          else if (deck%block(i)%keyword == KW_INIVEL_AXIS .and. deck%version < 120) then
             call report_header(deck, i, SEV_ERROR, 'KJ-2046', '/INIVEL/AXIS needs version 120', &
-               'the deck has version '//str(deck%invers), findings)
+               'the deck has version '//str(deck%invers))
             call mute_block(deck, i)
          end if
       end do
@@ -231,5 +266,39 @@ contains
       end do
       if (size(ids) > 10) text = trim(text)//', ...'
    end function id_list
+
+   !> SI value and UDUNITS symbol of a unit; found = .false. when the text is none, or a number
+   !> beyond 1e-30 to 1e30
+   !>
+   !> 'Mg' and '1000.' are the tonne. A number that no code stands for keeps its value in the
+   !> symbol: '(0.3048 m)'.
+   pure subroutine read_unit(text, kind, si, symbol, found)
+      character(len=*), intent(in) :: text        !! no blanks around it
+      integer, intent(in) :: kind                 !! UNIT_ constant
+      real(wp), intent(out) :: si
+      character(len=20), intent(out) :: symbol
+      logical, intent(out) :: found
+
+      integer :: i, status
+      real(wp) :: value
+
+      symbol = SI_SYMBOL(kind)
+      call parse_real(text, si, status)
+      found = status == NUMBER_FINE .and. si >= LEAST .and. si <= MOST
+      do i = 1, size(prefixes)
+         value = merge(prefixes(i)%of_gram, prefixes(i)%value, kind == UNIT_MASS)
+         if (found) then
+            if (abs(value - si) > 1e-12_wp*si) cycle
+         else
+            if (text /= trim(prefixes(i)%name)//BASE(kind)) cycle
+            si = value
+         end if
+         found = .true.
+         symbol = trim(prefixes(i)%symbol)//BASE(kind)
+         return
+      end do
+      if (found) symbol = '('//text(:min(len(text), 13))//' '//trim(SI_SYMBOL(kind))//')'
+      if (.not. found) si = 1.0_wp
+   end subroutine read_unit
 
 end module kj_deck

@@ -1,12 +1,11 @@
 !> Files -> lines -> blocks. Follows #include, leaves comments out, knows the keywords.
 module kj_deck_scan
-   use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, add_at
+   use kj_error, only: SEV_ERROR, SEV_WARNING, add_at
    use kj_keywords, only: keywords, READ_IT, KW_END
    use kj_spelling, only: upper
-   use kj_deck_text, only: deck_t, source_t, block_t, add_deck_finding, line_text, header_end, &
-      lengthen
-   use kj_deck_file, only: load_source, next_line, folder_of, add_file_finding
-   use kj_header_block, only: read_heading
+   use kj_deck_text, only: deck_t, source_t, block_t, add_deck_finding, line_text, report_line, &
+      add_line, load_source, next_line, folder_of, add_file_finding
+   use kj_header, only: read_heading
    implicit none
    private
 
@@ -32,10 +31,9 @@ contains
    !> Read a deck and all it includes, and find its blocks
    !>
    !> Errors: findings with code ERR_FILE when a file cannot be read, else ERR_INPUT.
-   subroutine scan_deck(path, deck, findings, ignore_unsupported)
+   subroutine scan_deck(path, deck, ignore_unsupported)
       character(len=*), intent(in) :: path
       type(deck_t), intent(inout) :: deck
-      type(finding_list_t), intent(inout) :: findings
       logical, intent(in) :: ignore_unsupported !! unknown and unsupported keywords only warn
 
       type(scan_t) :: scan
@@ -48,20 +46,19 @@ contains
       call load_source(path, 'starter', source, problem)
       if (len(problem) > 0) then
          call add_file_finding('KJ-9030', 'the deck cannot be read: '//problem, path, 0, '', 0, 0, &
-            findings)
+            deck%findings)
          deck%readable = .false.
          return
       end if
-      call scan_source(source, deck, scan, findings)
-      call close_block(deck, scan, findings)
+      call scan_source(source, deck, scan)
+      call close_block(deck, scan)
    end subroutine scan_deck
 
    !> Append a file to the deck and scan its lines
-   recursive subroutine scan_source(source, deck, scan, findings)
+   recursive subroutine scan_source(source, deck, scan)
       type(source_t), intent(inout) :: source   !! moved into the deck
       type(deck_t), intent(inout) :: deck
       type(scan_t), intent(inout) :: scan
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: s, number, first, last, next
 
@@ -76,7 +73,7 @@ contains
       do while (first <= len(deck%source(s)%text))
          number = number + 1
          call next_line(deck%source(s)%text, first, last, next)
-         call take_line(deck, s, number, first, last, scan, findings)
+         call take_line(deck, s, number, first, last, scan)
          if (scan%ended) exit
          first = next
       end do
@@ -85,13 +82,12 @@ contains
    end subroutine scan_source
 
    !> Decide what a line is: comment, #include, header or card
-   recursive subroutine take_line(deck, s, number, first, last, scan, findings)
+   recursive subroutine take_line(deck, s, number, first, last, scan)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: s                  !! index of the file
       integer, intent(in) :: number             !! of the line
       integer, intent(in) :: first, last        !! its bytes
       type(scan_t), intent(inout) :: scan
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: i
 
@@ -104,15 +100,15 @@ contains
          select case (deck%source(s)%text(i:i))
          case ('#', '$')
             if (i == first) then
-               if (is_include(deck%source(s)%text(first:last))) &
-                  call include_file(deck, s, number, first, last, scan, findings)
+               if (is_include(deck%source(s)%text(first:last))) call include_file(deck, s, number, &
+                  first, last, scan)
                return
             end if
          case ('/')
             if (i == first .or. .not. scan%title_due) then
-               call close_block(deck, scan, findings)
+               call close_block(deck, scan)
                call add_line(deck, s, number, first, last)
-               call open_block(deck, i - first, scan, findings)
+               call open_block(deck, i - first, scan)
                return
             end if
          end select
@@ -121,7 +117,7 @@ contains
          call add_line(deck, s, number, first, last)
          scan%title_due = .false.
       else if (.not. scan%stray .and. deck%source(s)%text(first:last) /= '') then
-         call add_at(findings, SEV_ERROR, 'KJ-9025', deck%source(s)%path, number, &
+         call add_at(deck%findings, SEV_ERROR, 'KJ-9025', deck%source(s)%path, number, &
             deck%source(s)%text(first:last), 1, last - first + 1, 'a card without a header', &
             'expected: a header such as /NODE', 'an included file must hold whole blocks')
          scan%stray = .true.
@@ -129,17 +125,16 @@ contains
    end subroutine take_line
 
    !> Start a block with the last line of the deck as its header
-   subroutine open_block(deck, indent, scan, findings)
+   subroutine open_block(deck, indent, scan)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: indent             !! blanks before the header
       type(scan_t), intent(inout) :: scan
-      type(finding_list_t), intent(inout) :: findings
 
       type(block_t) :: block
       integer :: line
 
       line = deck%n_line
-      call read_heading(deck, line, indent, scan%severity, block, findings)
+      call read_heading(deck, line, indent, scan%severity, block)
       block%first = line + 1
       block%last = line
       scan%title_due = .true.
@@ -149,28 +144,25 @@ contains
       deck%block(deck%n_block) = block
       scan%in_block = .true.
       scan%stray = .false.
-      if (block%keyword == KW_END) call end_deck(deck, line, scan, findings)
+      if (block%keyword == KW_END) call end_deck(deck, line, scan)
    end subroutine open_block
 
    !> /END: stop here; in an included file, only that file ends
-   subroutine end_deck(deck, line, scan, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine end_deck(deck, line, scan)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line
       type(scan_t), intent(inout) :: scan
-      type(finding_list_t), intent(inout) :: findings
 
       scan%ended = .true.
       scan%in_block = .false.
-      if (scan%depth > 1) call add_deck_finding(deck, line, 1, header_end(deck, line), &
-         SEV_WARNING, &
-         'KJ-9034', '/END in an included file', 'ends this file, not the deck', findings)
+      if (scan%depth > 1) call report_line(deck, line, SEV_WARNING, 'KJ-9034', &
+         '/END in an included file', 'ends this file, not the deck')
    end subroutine end_deck
 
    !> End the block under way, and look whether its title is a card
-   subroutine close_block(deck, scan, findings)
+   subroutine close_block(deck, scan)
       type(deck_t), intent(inout) :: deck
       type(scan_t), intent(inout) :: scan
-      type(finding_list_t), intent(inout) :: findings
 
       character(len=:), allocatable :: title
 
@@ -185,7 +177,7 @@ contains
          if (len_trim(title) < 10 .or. verify(title, ' 0123456789+-.eE') > 0) return
          if (title(1:1) /= ' ') return
          call add_deck_finding(deck, b%first, 1, len_trim(title), SEV_WARNING, 'KJ-9016', &
-            'the title looks like a card', 'taken as the title', findings, &
+            'the title looks like a card', 'taken as the title', &
             'the line after the header is always the title')
       end associate
    end subroutine close_block
@@ -200,17 +192,16 @@ contains
    end function is_include
 
    !> Scan an included file; it ends the block under way
-   recursive subroutine include_file(deck, s, number, first, last, scan, findings)
+   recursive subroutine include_file(deck, s, number, first, last, scan)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: s, number, first, last
       type(scan_t), intent(inout) :: scan
-      type(finding_list_t), intent(inout) :: findings
 
       type(source_t) :: source
       character(len=:), allocatable :: text, name, path, problem
       integer :: i, n
 
-      call close_block(deck, scan, findings)
+      call close_block(deck, scan)
       text = deck%source(s)%text(first:last)
       name = trim(adjustl(text(9:)))
       n = len_trim(text)
@@ -218,7 +209,7 @@ contains
       if (index(name, '/') == 1) path = name
       do i = 1, scan%depth
          if (deck%source(scan%open(i))%path /= path) cycle
-         call add_at(findings, SEV_ERROR, 'KJ-9033', deck%source(s)%path, number, text, &
+         call add_at(deck%findings, SEV_ERROR, 'KJ-9033', deck%source(s)%path, number, text, &
             n - len(name) + 1, n, 'the file includes itself', 'this file')
          return
       end do
@@ -227,11 +218,11 @@ contains
       if (len(problem) == 0) call load_source(path, 'include', source, problem)
       if (len(problem) > 0) then
          call add_file_finding('KJ-9031', 'the included file cannot be read: '//problem, &
-            deck%source(s)%path, number, text, n - len(name) + 1, n, findings)
+            deck%source(s)%path, number, text, n - len(name) + 1, n, deck%findings)
          return
       end if
-      call scan_source(source, deck, scan, findings)
-      call close_block(deck, scan, findings)
+      call scan_source(source, deck, scan)
+      call close_block(deck, scan)
    end subroutine include_file
 
    !> Move a file into the deck
@@ -241,7 +232,7 @@ contains
       integer, intent(out) :: s                 !! its index
 
       type(source_t), allocatable :: longer(:)
-      integer :: i, n
+      integer :: i
 
       if (deck%n_source == size(deck%source)) then
          allocate (longer(2*deck%n_source))
@@ -252,12 +243,7 @@ contains
       end if
       s = deck%n_source + 1
       deck%n_source = s
-      n = len(source%text)
       call move_source(source, deck%source(s))
-      if (.not. allocated(deck%line_first)) then
-         n = 64 + n/64
-         allocate (deck%line_source(n), deck%line_number(n), deck%line_first(n), deck%line_last(n))
-      end if
    end subroutine add_source
 
    !> Move the text of a file without a copy
@@ -268,27 +254,6 @@ contains
       call move_alloc(from%path, to%path)
       call move_alloc(from%text, to%text)
    end subroutine move_source
-
-   !> Append a line
-   pure subroutine add_line(deck, s, number, first, last)
-      type(deck_t), intent(inout) :: deck
-      integer, intent(in) :: s, number, first, last
-
-      integer :: n
-
-      n = deck%n_line + 1
-      if (n > size(deck%line_first)) then
-         call lengthen(deck%line_source)
-         call lengthen(deck%line_number)
-         call lengthen(deck%line_first)
-         call lengthen(deck%line_last)
-      end if
-      deck%n_line = n
-      deck%line_source(n) = s
-      deck%line_number(n) = number
-      deck%line_first(n) = first
-      deck%line_last(n) = last
-   end subroutine add_line
 
    !> Double the length of the list of blocks
    pure subroutine lengthen_blocks(array)

@@ -1,16 +1,19 @@
 !> A deck as text: its files, the lines that count and the blocks they form.
 !>
-!> A file is one string, a line is a pair of places in it: 1e6 lines cost four integers each.
+!> A file is one string, read at once; a line is a pair of places in it: 1e6 lines cost four
+!> integers each.
 module kj_deck_text
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, add_at, SEV_ERROR
+   use kj_error, only: finding_list_t, add_at, SEV_ERROR, error_t, fail, fail_at, add_finding, &
+      ERR_FILE
    use kj_units, only: unit_system_t, dimensions, factor_of
    use kj_keywords, only: keywords, N_KEYWORD
    implicit none
    private
 
-   public :: source_t, block_t, deck_t, line_text, place_of, title_of, title_line, block_units, &
-      block_factors, add_deck_finding, report_header, header_end, lengthen, mute_block
+   public :: source_t, block_t, deck_t, line_text, place_of, title_of, first_card, block_factors, &
+      add_deck_finding, report_header, report_line, header_end, lengthen, mute_block, add_line, &
+      load_source, next_line, folder_of, add_file_finding
 
    !> A file in memory
    type :: source_t
@@ -32,8 +35,9 @@ module kj_deck_text
       logical :: mute = .false.
    end type block_t
 
-   !> A starter deck with all included files
+   !> A deck with all included files, and what was found in it
    type :: deck_t
+      type(finding_list_t) :: findings
       type(source_t), allocatable :: source(:)  !! (n_source)
       integer :: n_source = 0
       integer :: n_line = 0                     !! headers and cards; comments are left out
@@ -105,6 +109,15 @@ contains
       line = deck%block(block)%first
    end function title_line
 
+   !> Line of the first card of a block after its title
+   pure integer function first_card(deck, block) result(line)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block              !! index, 1 to n_block
+
+      line = deck%block(block)%first
+      if (title_line(deck, block) > 0) line = line + 1
+   end function first_card
+
    !> Characters in the title of a block
    pure integer function title_length(deck, block) result(n)
       type(deck_t), intent(in) :: deck
@@ -172,25 +185,23 @@ contains
    !>
    !> Where these columns have an error already nothing is added: what reads a wrong field as 0
    !> would find that 0 wrong again. The same finding at the same place is added once.
-   subroutine add_deck_finding(deck, line, first, last, severity, id, message, label, findings, &
-      hint)
-      type(deck_t), intent(in) :: deck
+   subroutine add_deck_finding(deck, line, first, last, severity, id, message, label, hint)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line               !! index; 0 = no place
       integer, intent(in) :: first, last        !! columns
       integer, intent(in) :: severity           !! SEV_ constant
       character(len=*), intent(in) :: id, message, label
-      type(finding_list_t), intent(inout) :: findings
       character(len=*), intent(in), optional :: hint
 
       character(len=:), allocatable :: file
       integer :: number
 
       call place_of(deck, line, file, number)
-      if (is_known(findings, id, file, number, first, last)) return
+      if (is_known(deck%findings, id, file, number, first, last)) return
       if (deck%has_mute) then
          if (is_mute(deck, line)) return
       end if
-      call add_at(findings, severity, id, file, number, line_text(deck, line), first, last, &
+      call add_at(deck%findings, severity, id, file, number, line_text(deck, line), first, last, &
          message, label, hint)
    end subroutine add_deck_finding
 
@@ -236,20 +247,27 @@ contains
    end function is_mute
 
    !> Append a finding that points at the header of a block
-   subroutine report_header(deck, block, severity, id, message, label, findings, hint)
-      type(deck_t), intent(in) :: deck
+   subroutine report_header(deck, block, severity, id, message, label, hint)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: block              !! index, 1 to n_block
       integer, intent(in) :: severity           !! SEV_ constant
       character(len=*), intent(in) :: id, message, label
-      type(finding_list_t), intent(inout) :: findings
       character(len=*), intent(in), optional :: hint
 
-      integer :: line
-
-      line = deck%block(block)%header
-      call add_deck_finding(deck, line, 1, header_end(deck, line), severity, id, message, label, &
-         findings, hint)
+      call report_line(deck, deck%block(block)%header, severity, id, message, label, hint)
    end subroutine report_header
+
+   !> Append a finding that points at a whole line
+   subroutine report_line(deck, line, severity, id, message, label, hint)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: line               !! index; 0 = no place
+      integer, intent(in) :: severity           !! SEV_ constant
+      character(len=*), intent(in) :: id, message, label
+      character(len=*), intent(in), optional :: hint
+
+      call add_deck_finding(deck, line, 1, header_end(deck, line), severity, id, message, label, &
+         hint)
+   end subroutine report_line
 
    !> Last column of a header, at least 1
    pure integer function header_end(deck, line) result(last)
@@ -258,6 +276,29 @@ contains
 
       last = max(1, len_trim(line_text(deck, line)))
    end function header_end
+
+   !> Append a line
+   pure subroutine add_line(deck, s, number, first, last)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: s, number, first, last
+
+      integer :: n
+
+      n = deck%n_line + 1
+      if (n == 1) allocate (deck%line_source(64), deck%line_number(64), deck%line_first(64), &
+         deck%line_last(64))
+      if (n > size(deck%line_first)) then
+         call lengthen(deck%line_source)
+         call lengthen(deck%line_number)
+         call lengthen(deck%line_first)
+         call lengthen(deck%line_last)
+      end if
+      deck%n_line = n
+      deck%line_source(n) = s
+      deck%line_number(n) = number
+      deck%line_first(n) = first
+      deck%line_last(n) = last
+   end subroutine add_line
 
    !> Double the length of an array
    pure subroutine lengthen(array)
@@ -269,5 +310,101 @@ contains
       longer(:size(array)) = array
       call move_alloc(longer, array)
    end subroutine lengthen
+
+   !> Read a whole file; `problem` is '' when that went well.
+   !>
+   !> One thread at a time: a Fortran program cannot have a file open twice.
+   subroutine load_source(path, role, source, problem)
+      character(len=*), intent(in) :: path, role
+      type(source_t), intent(out) :: source
+      character(len=:), allocatable, intent(out) :: problem
+
+      source%path = path
+      source%role = role
+      !$omp critical (kj_source_file)
+      call read_file(path, source%text, problem)
+      !$omp end critical (kj_source_file)
+   end subroutine load_source
+
+   subroutine read_file(path, text, problem)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable, intent(out) :: text, problem
+
+      integer, parameter :: long = selected_int_kind(18)
+      character(len=200) :: message
+      integer(long) :: n
+      integer :: unit, stat
+
+      text = ''
+      problem = ''
+      message = ''
+      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
+         status='old', iostat=stat, iomsg=message)
+      if (stat /= 0) then
+         problem = trim(message)
+         if (problem == '') problem = 'cannot be opened'
+         return
+      end if
+      inquire (unit=unit, size=n)
+      if (n < 0 .or. n >= int(huge(stat), long)) then
+         problem = 'has no size, or is of 2 GiB and more'
+      else if (n > 0) then
+         deallocate (text)
+         allocate (character(len=n) :: text, stat=stat)
+         if (stat == 0) read (unit, iostat=stat, iomsg=message) text
+         if (stat /= 0) problem = 'cannot be read: '//trim(message)
+         if (stat /= 0) text = ''
+      end if
+      close (unit, iostat=stat)
+      if (stat /= 0) problem = 'cannot be closed'
+   end subroutine read_file
+
+   !> Find the end of the line that begins at byte `first`
+   pure subroutine next_line(text, first, last, next)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: first
+      integer, intent(out) :: last              !! its last byte, line feed and return left out
+      integer, intent(out) :: next              !! first byte of the next line
+
+      character(len=1), parameter :: FEED = achar(10), RETURN = achar(13)
+      integer :: i
+
+      do i = first, len(text)
+         if (text(i:i) == FEED) exit
+      end do
+      next = i + 1
+      last = i - 1
+      if (last >= first) then
+         if (text(last:last) == RETURN) last = last - 1
+      end if
+   end subroutine next_line
+
+   !> Folder of a path with its slash; '' when it has none
+   pure function folder_of(path) result(folder)
+      character(len=*), intent(in) :: path
+      character(len=index(path, '/', back=.true.)) :: folder
+
+      folder = path(:index(path, '/', back=.true.))
+   end function folder_of
+
+   !> Append the error of a file that cannot be read; line 0 when no line of a deck names it
+   subroutine add_file_finding(id, message, file, line, text, first, last, findings)
+      character(len=*), intent(in) :: id, message
+      character(len=*), intent(in) :: file, text      !! place of the #include
+      integer, intent(in) :: line, first, last
+      type(finding_list_t), intent(inout) :: findings
+
+      type(error_t), allocatable :: finding
+
+      if (line > 0) then
+         call fail_at(finding, file, line, text, first, last, message, 'this file')
+         finding%code = ERR_FILE
+      else
+         call fail(finding, ERR_FILE, message)
+         finding%file = file
+      end if
+      finding%id = id
+      call add_finding(findings, finding)
+   end subroutine add_file_finding
 
 end module kj_deck_text

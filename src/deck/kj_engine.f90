@@ -1,16 +1,83 @@
-!> Engine decks: run control -> plain values.
+!> Engine decks: run control -> plain values, and THE table of engine keywords.
 module kj_engine
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE, str
-   use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end
+   use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end, report_line
    use kj_engine_text, only: engine_line_t, load_engine, split_words, read_values, word_integer
-   use kj_engine_words, only: engine_words, find_engine_word, EN_RUN, EN_VERS, EN_TFILE, EN_PRINT, &
-      EN_DT, EN_DTIX, EN_TH, EN_STOP, EN_END, ENGINE_READ, ENGINE_NOTE
    use kj_spelling, only: upper
    implicit none
    private
 
    public :: engine_t, read_engine, round10
+
+   integer, parameter :: EN_RUN = 1, EN_TITLE = 2, EN_VERS = 3, EN_TFILE = 4, &
+      EN_PRINT = 5, &
+      EN_DT = 6, EN_DTIX = 7, EN_TH = 8, EN_STOP = 9, EN_END = 10, EN_OTHER = 11
+
+   !> What becomes of a keyword
+   integer, parameter :: ENGINE_READ = 1, ENGINE_NOTE = 2, ENGINE_OUT = 3
+
+   !> A row of the table
+   type :: engine_word_t
+      integer           :: id          !! EN_ constant
+      character(len=5)  :: name        !! first word of the header
+      integer           :: status      !! ENGINE_ constant
+      logical           :: once        !! of two of them the first holds
+      character(len=60) :: meaning     !! ENGINE_OUT: what would be needed
+   end type engine_word_t
+
+   logical, parameter :: T = .true., F = .false.
+
+   type(engine_word_t), parameter :: engine_words(*) = [ &
+      engine_word_t(EN_RUN,   'RUN',   ENGINE_READ, T, 'run number and end of the run'), &
+      engine_word_t(EN_TITLE, 'TITLE', ENGINE_READ, T, 'title, not used'), &
+      engine_word_t(EN_VERS,  'VERS',  ENGINE_READ, T, 'version of the deck'), &
+      engine_word_t(EN_TFILE, 'TFILE', ENGINE_READ, T, 'interval of the histories'), &
+      engine_word_t(EN_PRINT, 'PRINT', ENGINE_READ, T, 'cycles between two lines of the listing'), &
+      engine_word_t(EN_DT,    'DT',    ENGINE_READ, F, 'factor and least value of the time step'), &
+      engine_word_t(EN_DTIX,  'DTIX',  ENGINE_READ, T, 'first and largest time step'), &
+      engine_word_t(EN_TH,    'TH',    ENGINE_NOTE, F, 'form of the T01 file: none is written'), &
+      engine_word_t(EN_STOP,  'STOP',  ENGINE_READ, T, 'limits of energy and mass errors'), &
+      engine_word_t(EN_STOP,  'KILL',  ENGINE_READ, T, 'limits of energy and mass errors'), &
+      engine_word_t(EN_END,   'END',   ENGINE_READ, F, 'end of the deck'), &
+      engine_word_t(EN_OTHER, 'RFILE', ENGINE_NOTE, F, 'restart files of other solvers'), &
+      engine_word_t(EN_OTHER, 'ATFIL', ENGINE_NOTE, F, 'history in a file A: not written'), &
+      engine_word_t(EN_OTHER, 'BTFIL', ENGINE_NOTE, F, 'history in a file B: not written'), &
+      engine_word_t(EN_OTHER, 'CTFIL', ENGINE_NOTE, F, 'history in a file C: not written'), &
+      engine_word_t(EN_OTHER, 'DTFIL', ENGINE_NOTE, F, 'history in a file D: not written'), &
+      engine_word_t(EN_OTHER, 'ETFIL', ENGINE_NOTE, F, 'history in a file E: not written'), &
+      engine_word_t(EN_OTHER, 'FTFIL', ENGINE_NOTE, F, 'history in a file F: not written'), &
+      engine_word_t(EN_OTHER, 'GTFIL', ENGINE_NOTE, F, 'history in a file G: not written'), &
+      engine_word_t(EN_OTHER, 'HTFIL', ENGINE_NOTE, F, 'history in a file H: not written'), &
+      engine_word_t(EN_OTHER, 'ITFIL', ENGINE_NOTE, F, 'history in a file I: not written'), &
+      engine_word_t(EN_OTHER, 'ANIM',  ENGINE_NOTE, F, 'animation files: not written'), &
+      engine_word_t(EN_OTHER, 'H3D',   ENGINE_NOTE, F, 'animation files: not written'), &
+      engine_word_t(EN_OTHER, 'OUTP',  ENGINE_NOTE, F, 'output files: not written'), &
+      engine_word_t(EN_OTHER, 'STATE', ENGINE_NOTE, F, 'state files: not written'), &
+      engine_word_t(EN_OTHER, 'DYNAI', ENGINE_NOTE, F, 'state files: not written'), &
+      engine_word_t(EN_OTHER, 'ABF',   ENGINE_NOTE, F, 'output files: not written'), &
+      engine_word_t(EN_OTHER, 'MON',   ENGINE_NOTE, F, 'timing of other solvers'), &
+      engine_word_t(EN_OTHER, 'PROC',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
+      engine_word_t(EN_OTHER, 'SPMD',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
+      engine_word_t(EN_OTHER, 'PARIT', ENGINE_NOTE, F, 'order of sums; ours never depends on threads'), &
+      engine_word_t(EN_OTHER, 'DEBUG', ENGINE_NOTE, F, 'debugging of other solvers'), &
+      engine_word_t(EN_OTHER, 'PERF',  ENGINE_NOTE, F, 'timing of other solvers'), &
+      engine_word_t(EN_OTHER, 'NEGVO', ENGINE_NOTE, F, 'solid elements'), &
+      engine_word_t(EN_OTHER, 'UPWIN', ENGINE_NOTE, F, 'fluids'), &
+      engine_word_t(EN_OTHER, 'BCS',   ENGINE_OUT,  F, 'conditions that change: write them into the starter deck'), &
+      engine_word_t(EN_OTHER, 'BCSR',  ENGINE_OUT,  F, 'conditions that are released'), &
+      engine_word_t(EN_OTHER, 'DEL',   ENGINE_OUT,  F, 'elements that are deleted: leave them out of the deck'), &
+      engine_word_t(EN_OTHER, 'RBODY', ENGINE_OUT,  F, 'rigid bodies that are switched'), &
+      engine_word_t(EN_OTHER, 'KEREL', ENGINE_OUT,  F, 'kinetic-energy relaxation'), &
+      engine_word_t(EN_OTHER, 'DYREL', ENGINE_OUT,  F, 'dynamic relaxation'), &
+      engine_word_t(EN_OTHER, 'ADYRE', ENGINE_OUT,  F, 'dynamic relaxation'), &
+      engine_word_t(EN_OTHER, 'DAMP',  ENGINE_OUT,  F, 'Rayleigh damping'), &
+      engine_word_t(EN_OTHER, 'INIV',  ENGINE_OUT,  F, 'velocities at a restart: use /INIVEL in the starter deck'), &
+      engine_word_t(EN_OTHER, 'IMPL',  ENGINE_OUT,  F, 'implicit solution'), &
+      engine_word_t(EN_OTHER, 'EIG',   ENGINE_OUT,  F, 'eigenmodes'), &
+      engine_word_t(EN_OTHER, 'THERM', ENGINE_OUT,  F, 'heat'), &
+      engine_word_t(EN_OTHER, 'ALE',   ENGINE_OUT,  F, 'fluids'), &
+      engine_word_t(EN_OTHER, 'INTER', ENGINE_OUT,  F, 'contact')]
 
    !> Run control; times are in work units
    type :: engine_t
@@ -39,6 +106,16 @@ module kj_engine
 
 contains
 
+   !> Row of an engine keyword; 0 when there is none
+   pure integer function find_engine_word(word) result(row)
+      character(len=*), intent(in) :: word     !! its first five characters count
+
+      do row = 1, size(engine_words)
+         if (engine_words(row)%name == word(:min(5, len(word)))) return
+      end do
+      row = 0
+   end function find_engine_word
+
    !> Read an engine deck
    !>
    !> Errors: findings with code ERR_FILE when the file cannot be read, else ERR_INPUT.
@@ -51,16 +128,11 @@ contains
 
       type(deck_t) :: deck
       integer :: line, header, severity
-      logical :: readable
 
       severity = SEV_ERROR
       if (present(ignore_unsupported)) severity = merge(SEV_WARNING, SEV_ERROR, ignore_unsupported)
-      call load_engine(path, deck, readable, findings)
-      if (.not. readable) then
-         source%path = path
-         source%text = ''
-         return
-      end if
+      deck%findings = findings
+      call load_engine(path, deck)
       line = 1
       do while (line <= deck%n_line)
          header = line
@@ -69,13 +141,13 @@ contains
             if (is_header(deck, line)) exit
             line = line + 1
          end do
-         if (.not. take_block(deck, header, line - 1, severity, engine, findings)) exit
+         if (.not. take_block(deck, header, line - 1, severity, engine)) exit
       end do
-      if (.not. engine%has_run) call add_deck_finding(deck, min(1, deck%n_line), 1, &
-         header_end(deck, 1), SEV_ERROR, 'KJ-E194', 'the engine deck has no /RUN', &
-         'expected: /RUN/name/1 and the end time', findings)
+      if (deck%readable .and. .not. engine%has_run) call report_line(deck, min(1, deck%n_line), &
+         SEV_ERROR, 'KJ-E194', 'the engine deck has no /RUN', &
+         'expected: /RUN/name/1 and the end time')
+      findings = deck%findings
       source = deck%source(1)
-      source%role = 'engine'
    end subroutine read_engine
 
    !> The line is a header
@@ -87,14 +159,14 @@ contains
    end function is_header
 
    !> Read a header and its data lines; .false. when the deck ends here
-   logical function take_block(deck, header, last, severity, engine, findings) result(go_on)
-      type(deck_t), intent(in) :: deck
+   logical function take_block(deck, header, last, severity, engine) result(go_on)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: header, last       !! lines; data lines are header + 1 to last
       integer, intent(in) :: severity           !! of a keyword that is not supported
       type(engine_t), intent(inout) :: engine
-      type(finding_list_t), intent(inout) :: findings
 
       type(engine_line_t) :: words
+      type(engine_word_t) :: w
       character(len=:), allocatable :: text
       integer :: row, end, first
 
@@ -105,44 +177,42 @@ contains
       if (first == 0) first = 1
       if (text(first:first) /= '/') then
          call add_deck_finding(deck, header, first, end, SEV_WARNING, 'KJ-9025', &
-            'a line without a header', 'ignored', findings)
+            'a line without a header', 'ignored')
          return
       end if
       if (first > 1) call add_deck_finding(deck, header, 1, first - 1, SEV_ERROR, 'KJ-9024', &
-         'blanks before a header', 'a header begins in column 1', findings)
+         'blanks before a header', 'a header begins in column 1')
       call split_words(text, words)
       row = find_engine_word(words%word(1))
       if (row == 0) then
          text = 'unknown keyword'
          if (find_engine_word(upper(words%word(1))) > 0) text = 'keywords are in upper case'
-         call add_deck_finding(deck, header, 1, end, severity, 'KJ-E189', &
-            '/'//trim(words%word(1))//' is not an engine keyword', text, findings)
+         call report_line(deck, header, severity, 'KJ-E189', '/'//trim(words%word(1))// &
+            ' is not an engine keyword', text)
          return
       end if
-      associate (w => engine_words(row))
-         go_on = w%id /= EN_END
-         if (w%status == ENGINE_READ) then
-            call take_keyword(deck, w%id, words, header, last, severity, engine, findings)
-         else if (w%status == ENGINE_NOTE) then
-            if (w%id == EN_TH) call check_th_version(deck, words, header, findings)
-            call add_deck_finding(deck, header, 1, end, SEV_NOTE, 'KJ-9023', &
-               '/'//trim(words%word(1))//' has no effect here', trim(w%meaning), findings)
-         else
-            call add_deck_finding(deck, header, 1, end, severity, 'KJ-9022', &
-               line_text(deck, header)//' is not supported', 'needs: '//trim(w%meaning), findings, &
-               'remove the keyword, or ignore it with --ignore-unsupported')
-         end if
-      end associate
+      w = engine_words(row)
+      go_on = w%id /= EN_END
+      if (w%status == ENGINE_READ) then
+         call take_keyword(deck, w%id, words, header, last, severity, engine)
+      else if (w%status == ENGINE_NOTE) then
+         if (w%id == EN_TH) call check_th_version(deck, words, header)
+         call report_line(deck, header, SEV_NOTE, 'KJ-9023', '/'//trim(words%word(1))// &
+            ' has no effect here', trim(w%meaning))
+      else
+         call report_line(deck, header, severity, 'KJ-9022', line_text(deck, header)// &
+            ' is not supported', 'needs: '//trim(w%meaning), &
+            'remove the keyword, or ignore it with --ignore-unsupported')
+      end if
    end function take_block
 
    !> Read one of the keywords that steer the run
-   subroutine take_keyword(deck, id, words, header, last, severity, engine, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine take_keyword(deck, id, words, header, last, severity, engine)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: id                 !! EN_ constant
       type(engine_line_t), intent(in) :: words
       integer, intent(in) :: header, last, severity
       type(engine_t), intent(inout) :: engine
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: value(3)
       logical :: second
@@ -151,79 +221,70 @@ contains
       select case (id)
       case (EN_RUN)
          second = engine%has_run
-         if (.not. second) call take_run(deck, words, header, last, engine, findings)
+         if (.not. second) call take_run(deck, words, header, last, engine)
       case (EN_VERS)
          second = engine%version /= 0
-         if (.not. second) engine%version = word_integer(deck, header, words, 2, 0, findings)
-         if (engine%version < 18) call say('KJ-E196', 'the version is below 18', 'expected: 2022')
+         if (.not. second) engine%version = word_integer(deck, header, words, 2, 0)
+         if (engine%version < 18) call report_line(deck, header, SEV_ERROR, 'KJ-E196', &
+            'the version is below 18', 'expected: 2022')
       case (EN_TFILE)
          second = engine%has_tfile
          if (.not. second) then
             engine%has_tfile = .true.
-            engine%th_type = word_integer(deck, header, words, 2, 0, findings)
-            call read_values(deck, header, last, 1, 1, value, findings)
+            engine%th_type = word_integer(deck, header, words, 2, 0)
+            call read_values(deck, header, last, 1, 1, value)
             engine%th_dt = round10(value(1))
          end if
       case (EN_PRINT)
          second = engine%print_every /= 0
-         if (.not. second) engine%print_every = word_integer(deck, header, words, 2, 0, findings)
+         if (.not. second) engine%print_every = word_integer(deck, header, words, 2, 0)
       case (EN_DT)
-         call take_dt(deck, words, header, last, severity, engine, second, findings)
+         call take_dt(deck, words, header, last, severity, engine, second)
       case (EN_DTIX)
          second = engine%has_dtix
          if (.not. second) then
             engine%has_dtix = .true.
-            call read_values(deck, header, last, 2, 2, value, findings)
+            call read_values(deck, header, last, 2, 2, value)
             engine%dtix_ini = value(1)
             engine%dtix_max = value(2)
             if (value(2) < 0.0_wp .or. (value(2) > 0.0_wp .and. value(1) > value(2))) &
-               call say('KJ-E316', 'the first time step is larger than the largest one', &
+               call report_line(deck, header, SEV_ERROR, 'KJ-E316', &
+               'the first time step is larger than the largest one', &
                'expected: first step, largest step')
          end if
       case (EN_STOP)
          second = engine%has_stop
-         if (.not. second) call take_stop(deck, header, last, engine, findings)
+         if (.not. second) call take_stop(deck, header, last, engine)
       end select
-      if (second) call add_deck_finding(deck, header, 1, header_end(deck, header), SEV_WARNING, &
-         'KJ-9040', '/'//trim(words%word(1))//' stands twice', 'the first one holds', findings)
-
-   contains
-
-      subroutine say(message_id, message, label)
-         character(len=*), intent(in) :: message_id, message, label
-
-         call add_deck_finding(deck, header, 1, header_end(deck, header), SEV_ERROR, message_id, &
-            message, label, findings)
-      end subroutine say
+      if (second) call report_line(deck, header, SEV_WARNING, 'KJ-9040', &
+         '/'//trim(words%word(1))//' stands twice', 'the first one holds')
    end subroutine take_keyword
 
    !> /RUN/name/number[/letter] and the end time
-   subroutine take_run(deck, words, header, last, engine, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine take_run(deck, words, header, last, engine)
+      type(deck_t), intent(inout) :: deck
       type(engine_line_t), intent(in) :: words
       integer, intent(in) :: header, last
       type(engine_t), intent(inout) :: engine
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: value(3)
 
       engine%has_run = .true.
       engine%run_name = words%word(2)
-      engine%run_number = word_integer(deck, header, words, 3, 0, findings)
-      if (engine%run_number <= 0) call add_deck_finding(deck, header, 1, header_end(deck, header), &
-         SEV_ERROR, 'KJ-E195', 'the run number is not positive', 'expected: /RUN/name/1', findings)
-      call read_values(deck, header, last, 1, 1, value, findings)
+      engine%run_number = word_integer(deck, header, words, 3, 0)
+      if (engine%run_number <= 0) call report_line(deck, header, SEV_ERROR, 'KJ-E195', &
+         'the run number is not positive', 'expected: /RUN/name/1')
+      call read_values(deck, header, last, 1, 1, value)
       engine%t_stop = round10(value(1))
    end subroutine take_run
 
    !> /DT, /DT/NODA and the time steps of elements
-   subroutine take_dt(deck, words, header, last, severity, engine, second, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine take_dt(deck, words, header, last, severity, engine, second)
+      type(deck_t), intent(inout) :: deck
       type(engine_line_t), intent(in) :: words
       integer, intent(in) :: header, last, severity
       type(engine_t), intent(inout) :: engine
       logical, intent(out) :: second            !! it stood before
-      type(finding_list_t), intent(inout) :: findings
 
       character(len=5) :: element               ! the first five characters count
       real(wp) :: value(3)
@@ -235,7 +296,7 @@ contains
          second = engine%has_dt
          if (second) return
          engine%has_dt = .true.
-         call read_values(deck, header, last, 2, 2, value, findings)
+         call read_values(deck, header, last, 2, 2, value)
          engine%dt_fac = round10(value(1))
          engine%dt_min = round10(value(2))
       case ('NODA')
@@ -247,70 +308,60 @@ contains
          select case (engine%noda)
          case ('NODA', 'CST', 'CST1', 'STOP')
          case ('DEL')
-            call say(SEV_ERROR, 'KJ-E246', '/DT/NODA/DEL does not exist', 'use CST or STOP')
+            call report_line(deck, header, SEV_ERROR, 'KJ-E246', '/DT/NODA/DEL does not exist', &
+               'use CST or STOP')
          case default
-            call say(severity, 'KJ-9022', 'this kind of nodal time step is not supported', &
+            call report_line(deck, header, severity, 'KJ-9022', &
+               'this kind of nodal time step is not supported', &
                'supported: /DT/NODA, CST, CST1, STOP')
          end select
-         if (words%word(4) /= '') call say(severity, 'KJ-9022', &
+         if (words%word(4) /= '') call report_line(deck, header, severity, 'KJ-9022', &
             'a nodal time step for a group of nodes is not supported', 'supported: all nodes')
-         call read_values(deck, header, last, 2, 3, value, findings)
+         call read_values(deck, header, last, 2, 3, value)
          engine%noda_fac = value(1)
          engine%noda_min = value(2)
-         if (value(3) > 0.0_wp) call say(severity, 'KJ-9022', &
+         if (value(3) > 0.0_wp) call report_line(deck, header, severity, 'KJ-9022', &
             'a limit of the added mass is not supported', 'the third value of the next line')
       case ('NODE')
-         call say(SEV_ERROR, 'KJ-E246', '/DT/NODE does not exist', 'use /DT/NODA')
+         call report_line(deck, header, SEV_ERROR, 'KJ-E246', '/DT/NODE does not exist', &
+            'use /DT/NODA')
       case ('SPRIN')
-         call say(severity, 'KJ-9022', 'a time step for springs is not supported', 'use /DT/NODA')
+         call report_line(deck, header, severity, 'KJ-9022', &
+            'a time step for springs is not supported', 'use /DT/NODA')
       case default
-         call say(SEV_NOTE, 'KJ-9023', 'this time step has no effect here', 'no such elements')
+         call report_line(deck, header, SEV_NOTE, 'KJ-9023', 'this time step has no effect here', &
+            'no such elements')
       end select
-
-   contains
-
-      subroutine say(level, id, message, label)
-         integer, intent(in) :: level
-         character(len=*), intent(in) :: id, message, label
-
-         call add_deck_finding(deck, header, 1, header_end(deck, header), level, id, message, &
-            label, &
-            findings)
-      end subroutine say
    end subroutine take_dt
 
    !> /STOP and /KILL: the limit of the energy error; there is no added mass to limit
-   subroutine take_stop(deck, header, last, engine, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine take_stop(deck, header, last, engine)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: header, last
       type(engine_t), intent(inout) :: engine
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: value(3)
 
       engine%has_stop = .true.
-      call read_values(deck, header, last, 1, 3, value, findings)
+      call read_values(deck, header, last, 1, 3, value)
       engine%stop_energy = value(1)
-      call add_deck_finding(deck, header, 1, header_end(deck, header), SEV_WARNING, 'KJ-9041', &
-         'the limits of this keyword do not act', 'not supported', findings, &
+      call report_line(deck, header, SEV_WARNING, 'KJ-9041', &
+         'the limits of this keyword do not act', 'not supported', &
          'limit the energy error with --energy-limit')
    end subroutine take_stop
 
    !> /TH/VERS/n needs n of at least 40
-   subroutine check_th_version(deck, words, header, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine check_th_version(deck, words, header)
+      type(deck_t), intent(inout) :: deck
       type(engine_line_t), intent(in) :: words
       integer, intent(in) :: header
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: version
 
       if (words%word(2) /= 'VERS') return
-      version = word_integer(deck, header, words, 3, 0, findings)
-      if (version < 40) call add_deck_finding(deck, header, 1, header_end(deck, header), &
-         SEV_ERROR, &
-         'KJ-E198', 'version '//str(version)//' of the T01 file does not exist', &
-         'expected: 40 or more', findings)
+      version = word_integer(deck, header, words, 3, 0)
+      if (version < 40) call report_line(deck, header, SEV_ERROR, 'KJ-E198', &
+         'version '//str(version)//' of the T01 file does not exist', 'expected: 40 or more')
    end subroutine check_th_version
 
    !> A value rounded to ten significant digits, as Radioss keeps run control

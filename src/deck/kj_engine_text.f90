@@ -1,11 +1,11 @@
 !> Lines of an engine deck: words of a header, values of a list-directed line with their places.
 module kj_engine_text
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, str
+   use kj_error, only: SEV_ERROR, SEV_WARNING, str
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_TEXT, &
       NUMBER_NOT_FINITE
-   use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end
-   use kj_deck_file, only: load_source, next_line, add_file_finding
+   use kj_deck_text, only: deck_t, add_deck_finding, line_text, report_line, add_line, &
+      load_source, next_line, add_file_finding
    implicit none
    private
 
@@ -21,48 +21,28 @@ module kj_engine_text
 
 contains
 
-   !> Load an engine deck: all lines but comments and blank ones
-   subroutine load_engine(path, deck, readable, findings)
+   !> Load an engine deck: all lines but comments and blank ones; deck%readable tells of a failure
+   subroutine load_engine(path, deck)
       character(len=*), intent(in) :: path
-      type(deck_t), intent(out) :: deck
-      logical, intent(out) :: readable
-      type(finding_list_t), intent(inout) :: findings
+      type(deck_t), intent(inout) :: deck
 
       character(len=:), allocatable :: problem
-      integer :: first, last, next, number, most, i
+      integer :: first, last, next, number
 
       allocate (deck%source(1))
       deck%n_source = 1
       call load_source(path, 'engine', deck%source(1), problem)
-      readable = len(problem) == 0
-      if (.not. readable) then
-         call add_file_finding('KJ-9030', 'the engine deck cannot be read: '//problem, path, 0, &
-            '', &
-            0, 0, findings)
-         return
-      end if
-      associate (text => deck%source(1)%text)
-         most = 1
-         do i = 1, len(text)
-            if (text(i:i) == achar(10)) most = most + 1
-         end do
-         allocate (deck%line_source(most), deck%line_number(most), deck%line_first(most), &
-            deck%line_last(most))
-         deck%line_source = 1
-         number = 0
-         first = 1
-         do while (first <= len(text))
-            number = number + 1
-            call next_line(text, first, last, next)
-            if (is_data(text(first:last))) then
-               deck%n_line = deck%n_line + 1
-               deck%line_number(deck%n_line) = number
-               deck%line_first(deck%n_line) = first
-               deck%line_last(deck%n_line) = last
-            end if
-            first = next
-         end do
-      end associate
+      deck%readable = len(problem) == 0
+      if (.not. deck%readable) call add_file_finding('KJ-9030', &
+         'the engine deck cannot be read: '//problem, path, 0, '', 0, 0, deck%findings)
+      number = 0
+      first = 1
+      do while (first <= len(deck%source(1)%text))
+         number = number + 1
+         call next_line(deck%source(1)%text, first, last, next)
+         if (is_data(deck%source(1)%text(first:last))) call add_line(deck, 1, number, first, last)
+         first = next
+      end do
    end subroutine load_engine
 
    !> The line is neither a comment nor blank
@@ -100,13 +80,12 @@ contains
    end subroutine split_words
 
    !> A word of a header as an integer; `default` when there is no such word
-   integer function word_integer(deck, line, words, k, default, findings) result(value)
-      type(deck_t), intent(in) :: deck
+   integer function word_integer(deck, line, words, k, default) result(value)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line               !! of the header
       type(engine_line_t), intent(in) :: words
       integer, intent(in) :: k                  !! which word
       integer, intent(in) :: default
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: status
 
@@ -114,7 +93,7 @@ contains
       if (status == NUMBER_BLANK) value = default
       if (status == NUMBER_FINE .or. status == NUMBER_BLANK) return
       call add_deck_finding(deck, line, words%first(k), words%last(k), SEV_ERROR, 'KJ-9002', &
-         '"'//trim(words%word(k))//'" is not an integer', 'expected: an integer', findings)
+         '"'//trim(words%word(k))//'" is not an integer', 'expected: an integer')
       value = default
    end function word_integer
 
@@ -122,12 +101,11 @@ contains
    !>
    !> Blanks and commas separate; 2*1.5 repeats; 1* and ,, leave a value at 0; / ends the line.
    !> Errors: fewer than `least` values (KJ-E073), text that is no number (KJ-9001).
-   subroutine read_values(deck, header, last, least, most, value, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_values(deck, header, last, least, most, value)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: header, last       !! lines; data lines are header + 1 to last
       integer, intent(in) :: least, most
       real(wp), intent(out) :: value(:)         !! those that are missing are 0
-      type(finding_list_t), intent(inout) :: findings
 
       character(len=:), allocatable :: text
       integer :: at, a, b, n, times, line, i
@@ -142,19 +120,19 @@ contains
          do while (n < most)
             call next_item(text, at, a, b)
             if (a == 0) exit
-            call read_item(deck, line, text, a, b, times, x, findings)
+            call read_item(deck, line, text, a, b, times, x)
             do i = 1, min(times, most - n)
                n = n + 1
                value(n) = x
             end do
          end do
-         if (n == most .and. at <= len(text)) call report_rest(deck, line, text, at, findings)
+         if (n == most .and. at <= len(text)) call report_rest(deck, line, text, at)
       end if
       if (n >= least) return
       line = max(line, header)
-      call add_deck_finding(deck, line, 1, header_end(deck, line), SEV_ERROR, 'KJ-E073', &
+      call report_line(deck, line, SEV_ERROR, 'KJ-E073', &
          'the keyword needs a line with '//str(least)//merge(' values', ' value ', least > 1), &
-         'found: '//str(n), findings)
+         'found: '//str(n))
    end subroutine read_values
 
    !> The next item of a list-directed line: columns [a, b], b < a when empty; a = 0 at the end
@@ -183,14 +161,13 @@ contains
    end subroutine next_item
 
    !> Read an item, with a repeat count perhaps
-   subroutine read_item(deck, line, text, a, b, times, value, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_item(deck, line, text, a, b, times, value)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line
       character(len=*), intent(in) :: text
       integer, intent(in) :: a, b               !! columns
       integer, intent(out) :: times
       real(wp), intent(out) :: value
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: star, first, status
 
@@ -207,21 +184,20 @@ contains
       if (times < 1) status = NUMBER_TEXT
       if (status == NUMBER_FINE .or. status == NUMBER_BLANK) return
       if (status == NUMBER_NOT_FINITE) then
-         call add_deck_finding(deck, line, a, b, SEV_ERROR, 'KJ-9005', &
-            text(a:b)//' is not a finite number', 'expected: a real number', findings)
+         call add_deck_finding(deck, line, a, b, SEV_ERROR, 'KJ-9005', text(a:b)// &
+            ' is not a finite number', 'expected: a real number')
       else
-         call add_deck_finding(deck, line, a, b, SEV_ERROR, 'KJ-9001', &
-            text(a:b)//' is not a real number', 'expected: a real number', findings)
+         call add_deck_finding(deck, line, a, b, SEV_ERROR, 'KJ-9001', text(a:b)// &
+            ' is not a real number', 'expected: a real number')
       end if
       times = max(times, 1)
    end subroutine read_item
 
    !> Warn of text after the values
-   subroutine report_rest(deck, line, text, at, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine report_rest(deck, line, text, at)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line, at
       character(len=*), intent(in) :: text
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: first
 
@@ -230,7 +206,7 @@ contains
       first = at + first - 1
       if (text(first:first) == '/') return
       call add_deck_finding(deck, line, first, len_trim(text), SEV_WARNING, 'KJ-9009', &
-         'text after the last value', 'ignored', findings)
+         'text after the last value', 'ignored')
    end subroutine report_rest
 
 end module kj_engine_text

@@ -2,15 +2,14 @@
 !> Source: docs/theory/legacy.md 3.3, 3.4.
 module kj_attach_joint
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
+   use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_math3, only: cross, unit, rotation, rotation_vector, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST, FRAME_CROSS, ANGLES_NONE, &
       ANGLES_X
    use kj_deck_text, only: deck_t
-   use kj_cards, only: rows_t, report_row
-   use kj_draft, only: draft_t
+   use kj_cards, only: report_row
+   use kj_draft, only: draft_t, property_t, joint_t
    use kj_model, only: model_t
-   use kj_joint_draft, only: property_t, joint_t
    implicit none
    private
 
@@ -21,15 +20,11 @@ module kj_attach_joint
 contains
 
    !> Skews of a joint against the bodies of its nodes; crosswise skews are swapped
-   subroutine match_skews(deck, block, rows, i, draft, model, p, joint, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine match_skews(draft, model, p, joint)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(in) :: model
       type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: joint
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: e, s, body(2), owner(2)
 
@@ -43,41 +38,35 @@ contains
          if (any(draft%skews%node(:, s) == 0)) cycle
          owner(e) = draft%body(draft%skews%node(1, s))
          if (any(draft%body(draft%skews%node(:, s)) /= owner(e))) owner(e) = 0
-         if (owner(e) == 0 .and. body(e) > 0) call report_row(deck, block, rows, i, 'id', &
+         if (owner(e) == 0 .and. body(e) > 0) call report_row(draft%deck, joint%card, 'id', &
             SEV_WARNING, 'KJ-0919', 'the nodes of skew '//str(draft%skews%id(s))// &
-            ' are not all secondary nodes of one rigid body', 'joint with this skew', findings)
+            ' are not all secondary nodes of one rigid body', 'joint with this skew')
       end do
       if (any(owner <= 0)) return
       if (body(1) /= body(2) .and. all(owner == body(2:1:-1))) then
          joint%skew = p%skew(2:1:-1)
-         call report_row(deck, block, rows, i, 'id', SEV_WARNING, 'KJ-0921', &
-            'the skews of the joint stand crosswise to its nodes: they were swapped', 'swapped', &
-            findings)
+         call report_row(draft%deck, joint%card, 'id', SEV_WARNING, 'KJ-0921', &
+            'the skews of the joint stand crosswise to its nodes: they were swapped', 'swapped')
       else if (any(owner /= body)) then
-         call report_row(deck, block, rows, i, 'id', SEV_WARNING, 'KJ-0920', &
-            'a skew of the joint belongs to another body than its node', 'joint with this skew', &
-            findings)
+         call report_row(draft%deck, joint%card, 'id', SEV_WARNING, 'KJ-0920', &
+            'a skew of the joint belongs to another body than its node', 'joint with this skew')
       end if
    end subroutine match_skews
 
    !> Initial frame by the rule of the property.
    !> Source: docs/theory/legacy.md 3.3.
-   subroutine frame_of_skews(deck, block, rows, i, draft, p, joint, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine frame_of_skews(draft, p, joint)
+      type(draft_t), intent(inout) :: draft
       type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: joint
-      type(finding_list_t), intent(inout) :: findings
 
       logical :: opposite
 
       call mean_frame(p%frame, draft%skews%axes(joint%skew(1), :), &
          draft%skews%axes(joint%skew(2), :), joint%frame, opposite)
-      if (opposite) call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-9121', &
+      if (opposite) call report_row(draft%deck, joint%card, 'id', SEV_ERROR, 'KJ-9121', &
          'the skews of the joint are 180 degrees apart: they have no mean frame', &
-         'joint with these skews', findings)
+         'joint with these skews')
    end subroutine frame_of_skews
 
    !> Frame of a joint from the axes of its two skews, by a frame rule
@@ -110,16 +99,12 @@ contains
    !>
    !> Two nodes: x from 1 to 2. Three: x from 1 to 3. Four: x from 1 to 3, y in the plane of 1, 3
    !> and 4; universal: y from 1 to 3, z from 1 to 4.
-   subroutine frame_of_nodes(deck, block, rows, i, draft, x, given, p, joint, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine frame_of_nodes(draft, x, given, p, joint)
+      type(draft_t), intent(inout) :: draft
       real(wp), intent(in) :: x(3, 4)             !! places of the nodes, W
       integer, intent(in) :: given                !! number of nodes on the card, 2 to 4
       type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: joint
-      type(finding_list_t), intent(inout) :: findings
 
       logical :: apart12, has_skew
       integer :: needed
@@ -128,22 +113,21 @@ contains
       apart12 = norm2(x(:, 2) - x(:, 1)) > APART
       has_skew = p%skew(1) > 0
       if (.not. has_skew .and. merge(3, given, given == 2 .and. apart12) < needed) then
-         call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-0936', 'the '// &
-            trim(joint_types(p%row)%name)//' joint needs '//str(needed)// &
-            ' nodes for its axes', 'expected: more nodes, or a skew in the property', findings)
+         call report_row(draft%deck, joint%card, 'id', SEV_ERROR, 'KJ-0936', 'the '// &
+            trim(joint_types(p%row)%name)//' joint needs '//str(needed)// ' nodes for its axes', &
+            'expected: more nodes, or a skew in the property')
       else if (given == 2 .and. needed == 2 .and. .not. has_skew) then
          joint%frame = IDENTITY
       else if (given == 2 .and. .not. apart12) then
          joint%frame = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
       else if (norm2(x(:, min(given, 3)) - x(:, 1)) <= APART) then
-         call report_row(deck, block, rows, i, 'n3', SEV_ERROR, 'KJ-1009', &
-            'node 3 of the joint lies on node 1: the joint has no x axis', 'same place as n1', &
-            findings)
+         call report_row(draft%deck, joint%card, 'n3', SEV_ERROR, 'KJ-1009', &
+            'node 3 of the joint lies on node 1: the joint has no x axis', 'same place as n1')
       else if (given < 4) then
          joint%frame = frame_about(unit(x(:, given) - x(:, 1)))
       else
-         call frame_of_plane(deck, block, rows, i, x(:, 3) - x(:, 1), x(:, 4) - x(:, 1), &
-            joint_types(p%row)%frame == FRAME_CROSS, joint, findings)
+         call frame_of_plane(draft%deck, x(:, 3) - x(:, 1), x(:, 4) - x(:, 1), &
+            joint_types(p%row)%frame == FRAME_CROSS, joint)
       end if
    end subroutine frame_of_nodes
 
@@ -162,22 +146,18 @@ contains
    end function frame_about
 
    !> Frame of two directions: x along a and y in their plane; universal: y along a, z along b
-   subroutine frame_of_plane(deck, block, rows, i, a, b, universal, joint, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
+   subroutine frame_of_plane(deck, a, b, universal, joint)
+      type(deck_t), intent(inout) :: deck
       real(wp), intent(in) :: a(3), b(3)
       logical, intent(in) :: universal
       type(joint_t), intent(inout) :: joint
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: normal(3)
 
       normal = cross(a, b)
       if (norm2(normal) <= 1.0e-10_wp*dot_product(a, a)) then
-         call report_row(deck, block, rows, i, 'n4', SEV_ERROR, 'KJ-0937', &
-            'nodes 1, 3 and 4 of the joint do not span a plane', 'on a line with n1 and n3', &
-            findings)
+         call report_row(deck, joint%card, 'n4', SEV_ERROR, 'KJ-0937', &
+            'nodes 1, 3 and 4 of the joint do not span a plane', 'on a line with n1 and n3')
          return
       end if
       if (.not. universal) then
@@ -191,22 +171,18 @@ contains
       joint%frame(:, 3) = unit(b)
       if (abs(dot_product(a, b))/(norm2(normal) + norm2(a)) < 1.0e-4_wp) return
       joint%frame(:, 3) = unit(cross(joint%frame(:, 1), joint%frame(:, 2)))
-      call report_row(deck, block, rows, i, 'n4', SEV_WARNING, 'KJ-9128', &
+      call report_row(deck, joint%card, 'n4', SEV_WARNING, 'KJ-9128', &
          'the axes of the universal joint, from node 1 to 3 and to 4, are not perpendicular: '// &
-         'the second was turned', 'expected: perpendicular axes', findings)
+         'the second was turned', 'expected: perpendicular axes')
    end subroutine frame_of_plane
 
    !> Angles that a KJOINT2 starts with: the second skew against the first.
    !>
    !> Where the joint turns about x alone, the x axes of both skews are put on that of the joint.
-   subroutine angles_of_skews(deck, block, rows, i, draft, p, joint, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine angles_of_skews(draft, p, joint)
+      type(draft_t), intent(inout) :: draft
       type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: joint
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: u(3, 3), v(3, 3), cosine
       integer :: dof
@@ -214,33 +190,34 @@ contains
       joint%angle = 0.0_wp
       if (any(p%skew == 0)) return
       if (joint_types(p%row)%angles == ANGLES_NONE) return
-      if (draft%skews%id(p%skew(2)) <= 2) call report_row(deck, block, rows, i, 'id', SEV_WARNING, &
-         'KJ-9129', 'skew_2 of the joint has the id '//str(draft%skews%id(p%skew(2)))// &
-         ': OpenRadioss starts with undefined angles', 'joint with this skew', findings, &
+      if (draft%skews%id(p%skew(2)) <= 2) call report_row(draft%deck, joint%card, 'id', &
+         SEV_WARNING, 'KJ-9129', &
+         'skew_2 of the joint has the id '//str(draft%skews%id(p%skew(2)))// &
+         ': OpenRadioss starts with undefined angles', 'joint with this skew', &
          hint='give the skew an id above 2')
       u = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
       v = reshape(draft%skews%axes(p%skew(2), :), [3, 3])
       if (joint_types(p%row)%angles == ANGLES_X) then
-         cosine = min(abs(dot_product(u(:, 1), joint%frame(:, 1))), abs(dot_product(v(:, 1), &
-            joint%frame(:, 1))))
+         cosine = min(abs(dot_product(u(:, 1), joint%frame(:, 1))), &
+            abs(dot_product(v(:, 1), joint%frame(:, 1))))
          if (cosine < 0.98_wp) then
-            call report_row(deck, block, rows, i, 'id', SEV_ERROR, 'KJ-3076', &
+            call report_row(draft%deck, joint%card, 'id', SEV_ERROR, 'KJ-3076', &
                'the x axes of the skews of the joint are not along its axis', &
-               'joint with these skews', findings)
+               'joint with these skews')
             return
          end if
-         if (cosine < 0.9998_wp) call report_row(deck, block, rows, i, 'id', SEV_WARNING, &
+         if (cosine < 0.9998_wp) call report_row(draft%deck, joint%card, 'id', SEV_WARNING, &
             'KJ-3067', 'the x axes of the skews of the joint are over 1 degree off its axis', &
-            'joint with these skews', findings)
+            'joint with these skews')
          call align(joint%frame(:, 1), u)
          call align(joint%frame(:, 1), v)
       end if
       joint%angle = rotation_vector(matmul(transpose(u), v))
       do dof = 4, 6
          if (p%lo(dof) < 0.0_wp .and. joint%angle(dof - 3) < p%lo(dof) .or. &
-            p%hi(dof) > 0.0_wp .and. joint%angle(dof - 3) > p%hi(dof)) call report_row(deck, &
-            block, rows, i, 'id', SEV_ERROR, 'KJ-1133', &
-            'an angle of the joint starts beyond its stop', 'joint with these skews', findings)
+            p%hi(dof) > 0.0_wp .and. joint%angle(dof - 3) > p%hi(dof)) call report_row(draft%deck, &
+            joint%card, 'id', SEV_ERROR, 'KJ-1133', &
+            'an angle of the joint starts beyond its stop', 'joint with these skews')
       end do
    end subroutine angles_of_skews
 

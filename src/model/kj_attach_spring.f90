@@ -1,17 +1,16 @@
 !> Spring elements: their nodes, axes and constants at the start.
 module kj_attach_spring
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
+   use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_math3, only: IDENTITY
    use kj_sort, only: find
    use kj_curve, only: curve_set_t, steepest_rise
    use kj_joint_types, only: NDOF, FRAME_FIRST, FRAME_SECOND, FRAME_FIXED, FRAME_APART
    use kj_joint_batch, only: SPRING8, LAW_SPRING, LAW_DAMPER, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
    use kj_deck_text, only: deck_t
-   use kj_cards, only: rows_t, report_row
-   use kj_draft, only: draft_t, known_ids
+   use kj_cards, only: report_row
+   use kj_draft, only: draft_t, known_ids, property_t, joint_t
    use kj_model, only: model_t
-   use kj_joint_draft, only: property_t, joint_t
    implicit none
    private
 
@@ -20,23 +19,19 @@ module kj_attach_spring
 contains
 
    !> Check one spring and find its axes and reference length; its nodes are there
-   subroutine attach_spring(deck, block, rows, i, draft, model, p, spring, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine attach_spring(draft, model, p, spring)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(in) :: model
       type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: spring
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: r(3)
 
-      call check_nodes(deck, block, rows, i, model, spring%node, findings)
+      call check_nodes(draft%deck, model, spring)
       r = model%x0(spring%node(2), :) - model%x0(spring%node(1), :)
       spring%rule = p%frame
       if (p%kind == SPRING8) then
-         call choose_skew(deck, block, rows, i, draft, model, p, spring, findings)
+         call choose_skew(draft, model, p, spring)
          spring%frame = reshape(draft%skews%axes(spring%skew(1), :), [3, 3])
          spring%xl0 = matmul(r, spring%frame)
       else
@@ -49,51 +44,43 @@ contains
    end subroutine attach_spring
 
    !> Ends that are main nodes of bodies, or cannot move
-   subroutine check_nodes(deck, block, rows, i, model, node, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
+   subroutine check_nodes(deck, model, spring)
+      type(deck_t), intent(inout) :: deck
       type(model_t), intent(in) :: model
-      integer, intent(in) :: node(2)
-      type(finding_list_t), intent(inout) :: findings
+      type(joint_t), intent(in) :: spring
 
-      character(len=2), parameter :: FIELD(2) = ['n1', 'n2']
       integer :: e
 
       do e = 1, 2
-         if (node(e) <= model%n_body) then
-            call report_row(deck, block, rows, i, FIELD(e), SEV_WARNING, 'KJ-0448', 'node '// &
-               str(model%node_id(node(e)))//' of the spring is the main node of a rigid body', &
-               'better: a secondary node', findings)
-         else if (node(e) <= model%n_lead) then
-            if (model%mass(node(e)) > 0.0_wp) cycle
-            call report_row(deck, block, rows, i, FIELD(e), SEV_WARNING, 'KJ-9229', 'node '// &
-               str(model%node_id(node(e)))//' of the spring has no mass: it stays in its place', &
-               'no mass', findings)
+         if (spring%node(e) <= model%n_body) then
+            call report_row(deck, spring%card, 'n'//str(e), SEV_WARNING, 'KJ-0448', 'node '// &
+               str(model%node_id(spring%node(e)))// &
+               ' of the spring is the main node of a rigid body', 'better: a secondary node')
+         else if (spring%node(e) <= model%n_lead) then
+            if (model%mass(spring%node(e)) > 0.0_wp) cycle
+            call report_row(deck, spring%card, 'n'//str(e), SEV_WARNING, 'KJ-9229', 'node '// &
+               str(model%node_id(spring%node(e)))// &
+               ' of the spring has no mass: it stays in its place', 'no mass')
          end if
       end do
    end subroutine check_nodes
 
    !> Skew of the element, or else of the property; and what carries it
-   subroutine choose_skew(deck, block, rows, i, draft, model, p, spring, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine choose_skew(draft, model, p, spring)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(in) :: model
       type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: spring
-      type(finding_list_t), intent(inout) :: findings
 
       integer, parameter :: SKEW = 8             !! column of skew_id in the rows of /SPRING
       integer :: e, lead(2)
 
       spring%skew(1) = p%skew(1)
-      if (rows%ints(i, SKEW) /= 0) then
-         spring%skew(1) = find(draft%skew, rows%ints(i, SKEW))
-         if (spring%skew(1) == 0) call report_row(deck, block, rows, i, 'skew_id', SEV_ERROR, &
-            'KJ-0137', 'skew '//str(rows%ints(i, SKEW))//' is not defined', 'no such skew', &
-            findings, known_ids(draft%skew, 'skew'))
+      if (spring%card%ints(SKEW) /= 0) then
+         spring%skew(1) = find(draft%skew, spring%card%ints(SKEW))
+         if (spring%skew(1) == 0) call report_row(draft%deck, spring%card, 'skew_id', SEV_ERROR, &
+            'KJ-0137', 'skew '//str(spring%card%ints(SKEW))//' is not defined', 'no such skew', &
+            known_ids(draft%skew, 'skew'))
       end if
       spring%rule = FRAME_FIXED
       if (is_moving(draft, spring%skew(1))) then
@@ -104,14 +91,13 @@ contains
                spring%rule = merge(FRAME_FIRST, FRAME_SECOND, e == 1)
          end do
       end if
-      if (spring%rule == FRAME_APART .and. .not. draft%legacy) call report_row(deck, block, rows, &
-         i, 'n1', SEV_ERROR, 'KJ-9228', 'skew '//str(draft%skews%id(spring%skew(1)))// &
-         ' of the spring rides on neither of its ends', &
-         'expected: a node of the body of the skew', findings)
-      if (p%balanced .and. spring%rule == FRAME_FIXED) call report_row(deck, block, rows, i, 'n1', &
-         SEV_ERROR, 'KJ-9227', 'property '//str(p%id)// &
+      if (spring%rule == FRAME_APART .and. .not. draft%legacy) call report_row(draft%deck, &
+         spring%card, 'n1', SEV_ERROR, 'KJ-9228', 'skew '//str(draft%skews%id(spring%skew(1)))// &
+         ' of the spring rides on neither of its ends', 'expected: a node of the body of the skew')
+      if (p%balanced .and. spring%rule == FRAME_FIXED) call report_row(draft%deck, spring%card, &
+         'n1', SEV_ERROR, 'KJ-9227', 'property '//str(p%id)// &
          ' asks for a couple (Iequil = 1), and the axes of the spring are fixed in space', &
-         'a spring with fixed axes', findings)
+         'a spring with fixed axes')
    end subroutine choose_skew
 
    !> A skew that follows nodes, all of them known

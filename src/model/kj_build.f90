@@ -1,23 +1,21 @@
 !> Deck -> model: every cross reference and range is checked on this way.
 module kj_build
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t
    use kj_joint_types, only: FRAME_MEAN, FRAME_CROSS
    use kj_joint_batch, only: KJOINT2
    use kj_keywords, only: KW_TITLE
-   use kj_deck_text, only: deck_t, title_of
+   use kj_deck_text, only: title_of
    use kj_engine, only: engine_t
    use kj_draft, only: draft_t, blocks_of
-   use kj_build_scene, only: build_nodes, build_masses, build_curves, build_sensors, check_analysis
-   use kj_build_part, only: build_parts
+   use kj_build_scene, only: build_nodes, build_masses, build_curves, build_sensors, &
+      check_analysis, build_parts
    use kj_build_axes, only: build_skews, build_frames
    use kj_build_group, only: build_groups
    use kj_build_body, only: build_bodies
-   use kj_build_velocity, only: build_velocities
    use kj_build_spring, only: build_spring_properties
    use kj_build_joint, only: build_joints
-   use kj_joint_draft, only: property_t
-   use kj_build_load, only: build_conditions, build_gravity, build_cloads, build_motions
+   use kj_build_load, only: build_velocities, build_conditions, build_gravity, build_cloads, &
+      build_motions
    use kj_build_request, only: build_requests
    use kj_model, only: model_t, SCALE_NONE, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW
    implicit none
@@ -29,44 +27,41 @@ module kj_build
 
 contains
 
-   !> The model of a deck; usable when findings%n_error is 0 afterwards
+   !> The model of a deck; usable when draft%deck%findings%n_error is 0 afterwards
    !>
    !> All blocks are checked, whatever is wrong with those before them.
-   subroutine build_model(deck, engine, model, findings, legacy)
-      type(deck_t), intent(in) :: deck
+   subroutine build_model(draft, engine, model, legacy)
+      type(draft_t), intent(inout) :: draft      !! with a deck that was read
       type(engine_t), intent(in) :: engine
       type(model_t), intent(out) :: model
-      type(finding_list_t), intent(inout) :: findings
       logical, intent(in), optional :: legacy    !! unit factors as OpenRadioss has them; .false.
 
-      type(draft_t) :: draft
-      type(property_t), allocatable :: springs(:)
       integer, allocatable :: blocks(:)
 
       if (present(legacy)) draft%legacy = legacy
       model%title = ''
-      blocks = blocks_of(deck, KW_TITLE)
-      if (size(blocks) > 0) model%title = title_of(deck, blocks(1))
-      model%units = deck%work
-      call check_analysis(deck, findings)
-      call build_nodes(deck, draft, findings)
-      call build_skews(deck, draft, findings)
-      call build_frames(deck, draft, findings)
-      call build_parts(deck, draft, findings)
-      call build_groups(deck, draft, findings)
-      call build_masses(deck, draft, findings)
-      call build_curves(deck, draft, findings)
-      call build_sensors(deck, draft, findings)
-      call build_spring_properties(deck, draft, springs, findings)
-      call build_bodies(deck, draft, model, findings)
-      call build_velocities(deck, draft, model, findings)
-      call build_joints(deck, draft, springs, model, findings)
-      call build_conditions(deck, draft, model, findings)
-      call build_gravity(deck, draft, model, findings)
-      call build_cloads(deck, draft, model, findings)
-      call build_motions(deck, draft, model, findings)
-      call build_requests(deck, draft, model, findings)
-      if (findings%n_error > 0) return
+      blocks = blocks_of(draft%deck, KW_TITLE)
+      if (size(blocks) > 0) model%title = title_of(draft%deck, blocks(1))
+      model%units = draft%deck%work
+      call check_analysis(draft%deck)
+      call build_nodes(draft)
+      call build_skews(draft)
+      call build_frames(draft)
+      call build_parts(draft)
+      call build_groups(draft)
+      call build_masses(draft)
+      call build_curves(draft)
+      call build_sensors(draft)
+      call build_spring_properties(draft)
+      call build_bodies(draft, model)
+      call build_velocities(draft, model)
+      call build_joints(draft, model)
+      call build_conditions(draft, model)
+      call build_gravity(draft, model)
+      call build_cloads(draft, model)
+      call build_motions(draft, model)
+      call build_requests(draft, model)
+      if (draft%deck%findings%n_error > 0) return
       call finish_skews(draft, model)
       model%curves = draft%curves
       call set_controls(engine, model)

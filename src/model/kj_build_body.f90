@@ -3,13 +3,11 @@
 !> A body with a wrong main node is kept for the checks that follow: another of its nodes stands in.
 module kj_build_body
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, str, SEV_ERROR, SEV_WARNING
-   use kj_sort, only: find
+   use kj_error, only: error_t, str, SEV_ERROR, SEV_WARNING
    use kj_keywords, only: KW_RBODY
    use kj_deck_text, only: deck_t, title_of
    use kj_cards, only: cards_t, read_cards, real_of, int_of, report
-   use kj_draft, only: draft_t, blocks_of, block_lookup, group_nodes, reference, &
-      report_double_blocks
+   use kj_draft, only: draft_t, group_nodes, reference, find_blocks, node_of
    use kj_inertia, only: body_input_t, body_mass_t, gather_body, correct_inertia
    use kj_model, only: model_t
    implicit none
@@ -29,65 +27,58 @@ module kj_build_body
 contains
 
    !> Bodies in ascending user id; numbers the nodes of the model
-   subroutine build_bodies(deck, draft, model, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine build_bodies(draft, model)
       type(draft_t), intent(inout) :: draft
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
       type(cards_t) :: cards
       type(crew_t), allocatable :: crew(:)
       integer :: b, n, n_error
 
-      draft%body_block = blocks_of(deck, KW_RBODY)
-      call report_double_blocks(deck, draft%body_block, 'rigid body', findings)
-      call block_lookup(deck, draft%body_block, draft%body_id)
+      call find_blocks(draft%deck, [KW_RBODY], 'rigid body', draft%body_block, draft%body_id)
       draft%body_block = draft%body_block(draft%body_id%place)
       n = size(draft%body_block)
       allocate (crew(n))
       crew%block = draft%body_block
       do b = 1, n
-         n_error = findings%n_error
-         call read_cards(deck, crew(b)%block, cards, findings)
-         crew(b)%weighed = findings%n_error == n_error
-         call collect_crew(deck, cards, b, draft, crew(b), findings)
-         call read_body(deck, cards, draft, crew(b), findings)
+         n_error = draft%deck%findings%n_error
+         call read_cards(draft%deck, crew(b)%block, cards)
+         crew(b)%weighed = draft%deck%findings%n_error == n_error
+         call collect_crew(draft, cards, b, crew(b))
+         call read_body(draft, cards, crew(b))
       end do
-      call report_double_roles(deck, draft, crew, findings)
+      call report_double_roles(draft, crew)
       call appoint_stand_ins(draft, crew)
-      call keep_whole_bodies(deck, draft, crew, model)
+      call keep_whole_bodies(draft, crew, model)
       call number_nodes(draft, crew, model)
-      call weigh_bodies(deck, crew, draft, model, findings)
+      call weigh_bodies(draft, crew, model)
    end subroutine build_bodies
 
    !> Main and secondary nodes of one body
-   subroutine collect_crew(deck, cards, b, draft, crew, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine collect_crew(draft, cards, b, crew)
       type(cards_t), intent(in) :: cards
       integer, intent(in) :: b
       type(draft_t), intent(inout) :: draft
       type(crew_t), intent(inout) :: crew
-      type(finding_list_t), intent(inout) :: findings
 
       integer, allocatable :: nodes(:)
       integer :: i, n
 
-      call take_main(deck, cards, b, draft, crew, findings)
-      call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', .false., findings, nodes)
-      if (size(nodes) == 0) call report(deck, cards, 'grnod_id', SEV_WARNING, 'KJ-0352', &
-         'the rigid body has no secondary nodes', 'no node', findings)
+      call take_main(draft, cards, b, crew)
+      call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .false., nodes)
+      if (size(nodes) == 0) call report(draft%deck, cards, 'grnod_id', SEV_WARNING, 'KJ-0352', &
+         'the rigid body has no secondary nodes', 'no node')
       n = 0
       do i = 1, size(nodes)
          if (nodes(i) == crew%main) then
-            call report(deck, cards, 'grnod_id', SEV_WARNING, 'KJ-1624', &
-               'the main node was removed from the secondary nodes', 'holds the main node', &
-               findings)
+            call report(draft%deck, cards, 'grnod_id', SEV_WARNING, 'KJ-1624', &
+               'the main node was removed from the secondary nodes', 'holds the main node')
             cycle
          end if
          if (draft%body(nodes(i)) > 0) then
-            call report(deck, cards, 'grnod_id', SEV_ERROR, 'KJ-3121', 'node '// &
+            call report(draft%deck, cards, 'grnod_id', SEV_ERROR, 'KJ-3121', 'node '// &
                str(draft%id(nodes(i)))//' is a secondary node of two rigid bodies', &
-               'holds a node of another body', findings)
+               'holds a node of another body')
             cycle
          end if
          draft%body(nodes(i)) = b
@@ -98,28 +89,23 @@ contains
    end subroutine collect_crew
 
    !> The main node; 0 (reported) when it is not a node of its own
-   subroutine take_main(deck, cards, b, draft, crew, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine take_main(draft, cards, b, crew)
       type(cards_t), intent(in) :: cards
       integer, intent(in) :: b
       type(draft_t), intent(inout) :: draft
       type(crew_t), intent(inout) :: crew
-      type(finding_list_t), intent(inout) :: findings
 
       if (int_of(cards, 'node_id') == 0) then
-         call report(deck, cards, 'node_id', SEV_ERROR, 'KJ-3122', &
-            'the rigid body has no main node', &
-            'expected: id of a node', findings, &
+         call report(draft%deck, cards, 'node_id', SEV_ERROR, 'KJ-3122', &
+            'the rigid body has no main node', 'expected: id of a node', &
             hint='kjoint does not create nodes: define one and name it here')
          return
       end if
-      crew%main = find(draft%node, int_of(cards, 'node_id'))
-      if (crew%main == 0) then
-         call report(deck, cards, 'node_id', SEV_ERROR, 'KJ-0078', 'node '// &
-            str(int_of(cards, 'node_id'))//' is not defined', 'no such node', findings)
-      else if (draft%main_of(crew%main) > 0) then
-         call report(deck, cards, 'node_id', SEV_ERROR, 'KJ-0442', &
-            'two rigid bodies have the same main node', 'main node of another body', findings)
+      crew%main = node_of(draft, cards, 'node_id')
+      if (crew%main == 0) return
+      if (draft%main_of(crew%main) > 0) then
+         call report(draft%deck, cards, 'node_id', SEV_ERROR, 'KJ-0442', &
+            'two rigid bodies have the same main node', 'main node of another body')
          crew%main = 0
       else
          draft%main_of(crew%main) = b
@@ -127,29 +113,26 @@ contains
    end subroutine take_main
 
    !> What the cards say of mass and inertia
-   subroutine read_body(deck, cards, draft, crew, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_body(draft, cards, crew)
       type(cards_t), intent(in) :: cards
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(inout) :: draft
       type(crew_t), intent(inout) :: crew
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: a(3, 3)
       integer :: skew
 
       associate (input => crew%input)
-         input%icog = choice_of(deck, cards, 'ICoG', 4, 1, 'KJ-9114', findings)
-         input%ispher = choice_of(deck, cards, 'Ispher', 3, 2, 'KJ-9115', findings)
-         if (int_of(cards, 'sens_id') > 0) call report(deck, cards, 'sens_id', SEV_ERROR, &
-            'KJ-9116', &
-            'rigid bodies that a sensor switches are not supported', 'expected: 0', findings)
-         if (int_of(cards, 'Ifail') /= 0) call report(deck, cards, 'Ifail', SEV_ERROR, 'KJ-9150', &
-            'rigid bodies that fail are not supported', 'expected: 0', findings)
+         input%icog = choice_of(draft%deck, cards, 'ICoG', 4, 1, 'KJ-9114')
+         input%ispher = choice_of(draft%deck, cards, 'Ispher', 3, 2, 'KJ-9115')
+         if (int_of(cards, 'sens_id') > 0) call report(draft%deck, cards, 'sens_id', SEV_ERROR, &
+            'KJ-9116', 'rigid bodies that a sensor switches are not supported', 'expected: 0')
+         if (int_of(cards, 'Ifail') /= 0) call report(draft%deck, cards, 'Ifail', SEV_ERROR, &
+            'KJ-9150', 'rigid bodies that fail are not supported', 'expected: 0')
          input%mass = real_of(cards, 'Mass')
          input%j(1, :) = [real_of(cards, 'Jxx'), real_of(cards, 'Jxy'), real_of(cards, 'Jxz')]
          input%j(2, :) = [real_of(cards, 'Jxy'), real_of(cards, 'Jyy'), real_of(cards, 'Jyz')]
          input%j(3, :) = [real_of(cards, 'Jxz'), real_of(cards, 'Jyz'), real_of(cards, 'Jzz')]
-         skew = reference(deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137', findings)
+         skew = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
          if (crew%main == 0) crew%weighed = .false.
          if (crew%main == 0) return
          input%x = draft%x(crew%main, :)
@@ -162,39 +145,35 @@ contains
    end subroutine read_body
 
    !> A number from 1 to most; 0 means the default
-   integer function choice_of(deck, cards, name, most, default, id, findings) result(choice)
-      type(deck_t), intent(in) :: deck
+   integer function choice_of(deck, cards, name, most, default, id) result(choice)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: name, id
       integer, intent(in) :: most, default
-      type(finding_list_t), intent(inout) :: findings
 
       choice = int_of(cards, name)
       if (choice >= 1 .and. choice <= most) return
       if (choice /= 0) call report(deck, cards, name, SEV_ERROR, id, name//' must be 1 to '// &
-         str(most), 'expected: 1 to '//str(most), findings)
+         str(most), 'expected: 1 to '//str(most))
       choice = default
    end function choice_of
 
    !> A main node that is a secondary node of another body
-   subroutine report_double_roles(deck, draft, crew, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine report_double_roles(draft, crew)
       type(draft_t), intent(inout) :: draft
       type(crew_t), intent(inout) :: crew(:)
-      type(finding_list_t), intent(inout) :: findings
 
       type(cards_t) :: cards
-      type(finding_list_t) :: again
       integer :: b, other, k
 
       do b = 1, size(crew)
          if (crew(b)%main == 0) cycle
          other = draft%body(crew(b)%main)
          if (other == 0) cycle
-         call read_cards(deck, crew(b)%block, cards, again)
-         call report(deck, cards, 'node_id', SEV_ERROR, 'KJ-9151', 'main node '// &
+         call read_cards(draft%deck, crew(b)%block, cards)
+         call report(draft%deck, cards, 'node_id', SEV_ERROR, 'KJ-9151', 'main node '// &
             str(draft%id(crew(b)%main))//' is a secondary node of rigid body '// &
-            str(deck%block(crew(other)%block)%id), 'expected: a node of no other body', findings, &
+            str(draft%deck%block(crew(other)%block)%id), 'expected: a node of no other body', &
             hint='bodies on bodies are not supported: join them by a joint, or make them one')
          k = findloc(crew(other)%node, crew(b)%main, dim=1)
          crew(other)%node = [crew(other)%node(:k - 1), crew(other)%node(k + 1:)]
@@ -221,8 +200,7 @@ contains
    end subroutine appoint_stand_ins
 
    !> Leave out bodies without any node of their own
-   subroutine keep_whole_bodies(deck, draft, crew, model)
-      type(deck_t), intent(in) :: deck
+   subroutine keep_whole_bodies(draft, crew, model)
       type(draft_t), intent(inout) :: draft
       type(crew_t), allocatable, intent(inout) :: crew(:)
       type(model_t), intent(inout) :: model
@@ -243,13 +221,13 @@ contains
          end do
          call move_alloc(whole, crew)
       end if
-      draft%body_id%id = deck%block(crew%block)%id
+      draft%body_id%id = draft%deck%block(crew%block)%id
       draft%body_id%place = [(b, b=1, size(crew))]
       model%n_body = size(crew)
       model%body_id = draft%body_id%id
       allocate (model%body_name(size(crew)))
       do b = 1, size(crew)
-         model%body_name(b)%s = title_of(deck, crew(b)%block)
+         model%body_name(b)%s = title_of(draft%deck, crew(b)%block)
       end do
    end subroutine keep_whole_bodies
 
@@ -307,12 +285,10 @@ contains
    end subroutine number_nodes
 
    !> Masses, centres of gravity and principal axes; moves the main nodes
-   subroutine weigh_bodies(deck, crew, draft, model, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine weigh_bodies(draft, crew, model)
       type(crew_t), intent(in) :: crew(:)
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
       type(body_mass_t) :: body
       type(error_t), allocatable :: error
@@ -329,7 +305,7 @@ contains
          if (allocated(error)) body%principal = 0.0_wp
          if (.not. allocated(error)) &
             call correct_inertia(crew(b)%input%ispher, body%principal, changed)
-         call check_body(deck, crew(b)%block, body, changed, findings)
+         call check_body(draft%deck, crew(b)%block, body, changed)
          model%x0(b, :) = body%x
          model%mass(b) = body%mass
          model%principal(b, :) = body%principal
@@ -338,39 +314,36 @@ contains
       end do
    end subroutine weigh_bodies
 
-   subroutine check_body(deck, block, body, changed, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine check_body(deck, block, body, changed)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: block
       type(body_mass_t), intent(in) :: body
       logical, intent(in) :: changed
-      type(finding_list_t), intent(inout) :: findings
 
       type(cards_t) :: cards
-      type(finding_list_t) :: again
       logical :: odd
 
       associate (p => body%principal)
          odd = maxval(p) > 1.0001_wp*(sum(p) - maxval(p))
          if (body%mass > 1.0e-19_wp .and. minval(p) > 0.0_wp .and. .not. (changed .or. odd)) return
-         call read_cards(deck, block, cards, again)
+         call read_cards(deck, block, cards)
          if (.not. body%mass > 1.0e-30_wp) then
             call report(deck, cards, 'Mass', SEV_ERROR, 'KJ-0679', 'the rigid body has no mass', &
-               'expected: a mass here or on its nodes', findings)
+               'expected: a mass here or on its nodes')
          else if (.not. minval(p) > 0.0_wp) then
             call report(deck, cards, 'Jxx', SEV_ERROR, 'KJ-0274', &
                'the smallest principal inertia of the rigid body is not positive', &
-               'expected: a positive definite inertia', findings)
+               'expected: a positive definite inertia')
             return
          else if (.not. body%mass > 1.0e-19_wp) then
             call report(deck, cards, 'Mass', SEV_WARNING, 'KJ-9157', &
-               'the rigid body has no mass: 1e-20 is taken, as in Radioss', 'no mass', findings)
+               'the rigid body has no mass: 1e-20 is taken, as in Radioss', 'no mass')
          end if
          if (changed) call report(deck, cards, 'Jxx', SEV_WARNING, 'KJ-0275', &
             'a principal inertia is under a thousandth of the largest: a tenth of it was added', &
-            'very slender', findings, hint='Ispher 3 keeps the inertia as typed')
+            'very slender', hint='Ispher 3 keeps the inertia as typed')
          if (odd) call report(deck, cards, 'Jxx', SEV_WARNING, 'KJ-0542', &
-            'the inertia of the rigid body is not that of a solid: I1 > I2 + I3', 'not physical', &
-            findings)
+            'the inertia of the rigid body is not that of a solid: I1 > I2 + I3', 'not physical')
       end associate
    end subroutine check_body
 

@@ -1,195 +1,161 @@
-!> Cards -> model: joint properties, spring elements, and their batches.
+!> Cards -> model: elements of /SPRING with their properties, sorted into batches of one kind, type,
+!> frame rule and law signature.
 module kj_build_joint
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
+   use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: find
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: KJOINT, KJOINT2, SPRING4, SPRING8, LAW_SPRING, LAW_DAMPER, &
-      LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_keywords, only: KW_KJOINT, KW_KJOINT2
-   use kj_deck_text, only: deck_t, title_of
-   use kj_cards, only: cards_t, rows_t, read_cards, report_row
-   use kj_draft, only: draft_t, blocks_of
+      LAW_SPRING_CURVE, LAW_DAMPER_CURVE, joint_batch_t, limits_t, new_batch, new_limits, is_spring
+   use kj_deck_text, only: title_of
+   use kj_cards, only: cards_t, read_cards, report_row, card_row_t
+   use kj_draft, only: draft_t, property_t, joint_t
    use kj_model, only: model_t
-   use kj_joint_draft, only: property_t, joint_t
    use kj_build_property, only: read_property
-   use kj_build_property2, only: read_property2
    use kj_attach_joint, only: match_skews, frame_of_skews, frame_of_nodes, angles_of_skews
-   use kj_build_batch, only: fill_batches
    use kj_attach_spring, only: attach_spring, weigh_springs
+   use kj_lead_map, only: build_lead_map
    implicit none
    private
 
-   public :: build_joints, set_constants
+   public :: build_joints, set_constants, fill_batches, scale_blocking
 
 contains
 
-   !> All joints and springs of the deck
-   subroutine build_joints(deck, draft, springs, model, findings)
-      type(deck_t), intent(in) :: deck
+   !> All joints and springs of the deck; the properties of springs are there
+   subroutine build_joints(draft, model)
       type(draft_t), intent(inout) :: draft
-      type(property_t), intent(in) :: springs(:)   !! properties of springs
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
       type(property_t), allocatable :: property(:)
       type(joint_t), allocatable :: joint(:)
-      integer, allocatable :: blocks(:)
       type(cards_t) :: cards
-      integer :: i
+      integer :: i, n
 
-      blocks = [blocks_of(deck, KW_KJOINT), blocks_of(deck, KW_KJOINT2)]
-      allocate (property(size(blocks)))
-      do i = 1, size(blocks)
-         call read_cards(deck, blocks(i), cards, findings)
-         if (deck%block(blocks(i))%keyword == KW_KJOINT2) then
-            call read_property2(deck, cards, draft, property(i), findings)
-         else
-            call read_property(deck, cards, draft, property(i), findings)
-         end if
+      n = size(draft%property_block) - size(draft%properties)
+      allocate (property(n))
+      do i = 1, n
+         call read_cards(draft%deck, draft%property_block(i), cards)
+         call read_property(draft, cards, property(i))
       end do
-      property = [property, springs]
+      draft%properties = [property, draft%properties]
       allocate (joint(draft%elements%n), model%joint(draft%elements%n), &
          model%joint_name(draft%elements%n))
-      call attach_elements(deck, draft, property, 1, size(blocks), joint, model, findings)
+      call attach_elements(draft, 1, n, joint, model)
       model%n_joint = model%n_element
-      call attach_elements(deck, draft, property, size(blocks) + 1, size(property), joint, model, &
-         findings)
+      call attach_elements(draft, n + 1, size(draft%properties), joint, model)
       model%n_spring = model%n_element - model%n_joint
       joint = joint(:model%n_element)
       model%joint = model%joint(:model%n_element)
-      if (findings%n_error > 0) return
+      if (draft%deck%findings%n_error > 0) return
       call weigh_springs(model, model%n_joint, joint)
-      call fill_batches(property, joint, model)
+      call fill_batches(draft%properties, joint, model)
    end subroutine build_joints
 
    !> Elements of the parts whose property is one from `least` to `most`, after those that are there
-   subroutine attach_elements(deck, draft, property, least, most, joint, model, findings)
-      type(deck_t), intent(in) :: deck
-      type(draft_t), intent(in) :: draft
-      type(property_t), intent(in) :: property(:)
+   subroutine attach_elements(draft, least, most, joint, model)
+      type(draft_t), intent(inout) :: draft
       integer, intent(in) :: least, most
       type(joint_t), intent(inout) :: joint(:)
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
-      integer :: b, i, n, part
+      integer :: i, n, part, property
 
       n = model%n_element
-      do b = 1, size(draft%elements%block)
-         associate (block => draft%elements%block(b), rows => draft%elements%rows(b))
-            part = find(draft%part, deck%block(block)%id)
-            if (part == 0) cycle
-            if (draft%part_property(part) == 0) cycle
-            if (draft%part_property(part) < least .or. draft%part_property(part) > most) cycle
-            do i = 1, rows%n
-               n = n + 1
-               joint(n)%property = draft%part_property(part)
-               model%joint(n)%id = rows%ints(i, 1)
-               model%joint(n)%part = deck%block(block)%id
-               model%joint_name(n)%s = title_of(deck, draft%part_block(part))
-               call attach(deck, block, rows, i, draft, model, property, joint(n), findings)
-            end do
-         end associate
+      do i = 1, draft%elements%n
+         part = draft%elements%part(i)
+         if (part == 0) cycle
+         property = draft%part_property(part)
+         if (property == 0 .or. property < least .or. property > most) cycle
+         n = n + 1
+         joint(n)%card = draft%elements%card(i)
+         joint(n)%property = property
+         model%joint(n)%id = joint(n)%card%ints(1)
+         model%joint(n)%part = draft%deck%block(joint(n)%card%block)%id
+         model%joint_name(n)%s = title_of(draft%deck, draft%part_block(part))
+         call attach(draft, model, draft%properties(property), joint(n))
       end do
       model%n_element = n
    end subroutine attach_elements
 
    !> Nodes, bodies, initial frame and constants of one element
-   subroutine attach(deck, block, rows, i, draft, model, property, joint, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine attach(draft, model, p, joint)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(in) :: model
-      type(property_t), intent(in) :: property(:)
+      type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: joint
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: given, raw(6)
 
-      call find_nodes(deck, block, rows, i, draft, given, raw, findings)
+      call find_nodes(draft, joint%card, given, raw)
       if (any(raw(:given) == 0)) return
       joint%node = draft%new(raw(:2))
-      associate (p => property(joint%property))
-         if (raw(1) == raw(2)) then
-            call report_row(deck, block, rows, i, 'n2', SEV_ERROR, 'KJ-9120', &
-               'both ends of the element are the same node', 'same as n1', findings)
-            return
-         end if
-         if (p%kind == SPRING4 .or. p%kind == SPRING8) then
-            call attach_spring(deck, block, rows, i, draft, model, p, joint, findings)
-            return
-         end if
-         call check_ends(deck, block, rows, i, draft, model, p%kind, raw(:2), findings)
-         if (p%row == 0) return
-         if (p%kind == KJOINT2) then
-            given = min(given, 4)
-            raw(given + 1:) = raw(1)
-            call frame_of_nodes(deck, block, rows, i, draft, &
-               transpose(model%x0(draft%new(raw(:4)), :)), given, p, joint, findings)
-            call angles_of_skews(deck, block, rows, i, draft, p, joint, findings)
-         else
-            call match_skews(deck, block, rows, i, draft, model, p, joint, findings)
-            call frame_of_skews(deck, block, rows, i, draft, p, joint, findings)
-         end if
-         call set_constants(model, p, joint)
-      end associate
+      if (raw(1) == raw(2)) then
+         call report_row(draft%deck, joint%card, 'n2', SEV_ERROR, 'KJ-9120', &
+            'both ends of the element are the same node', 'same as n1')
+         return
+      end if
+      if (p%kind == SPRING4 .or. p%kind == SPRING8) then
+         call attach_spring(draft, model, p, joint)
+         return
+      end if
+      call check_ends(draft, model, p%kind, raw(:2), joint%card)
+      if (p%row == 0) return
+      if (p%kind == KJOINT2) then
+         given = min(given, 4)
+         raw(given + 1:) = raw(1)
+         call frame_of_nodes(draft, transpose(model%x0(draft%new(raw(:4)), :)), given, p, joint)
+         call angles_of_skews(draft, p, joint)
+      else
+         call match_skews(draft, model, p, joint)
+         call frame_of_skews(draft, p, joint)
+      end if
+      call set_constants(model, p, joint)
    end subroutine attach
 
    !> The nodes of an element: two, and those after them up to the first 0
-   subroutine find_nodes(deck, block, rows, i, draft, given, raw, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine find_nodes(draft, card, given, raw)
+      type(draft_t), intent(inout) :: draft
+      type(card_row_t), intent(in) :: card
       integer, intent(out) :: given              !! 2 to 6
       integer, intent(out) :: raw(6)             !! raw node indices, 0 = not defined
-      type(finding_list_t), intent(inout) :: findings
 
-      character(len=2), parameter :: FIELD(6) = ['n1', 'n2', 'n3', 'n4', 'n5', 'n6']
       integer :: e
 
       raw = 0
       given = 6
       do e = 1, 6
-         if (e > 2 .and. rows%ints(i, e + 1) == 0) then
+         if (e > 2 .and. card%ints(e + 1) == 0) then
             given = e - 1
             exit
          end if
-         raw(e) = find(draft%node, rows%ints(i, e + 1))
-         if (raw(e) == 0) call report_row(deck, block, rows, i, FIELD(e), SEV_ERROR, 'KJ-0078', &
-            'node '//str(rows%ints(i, e + 1))//' is not defined', 'no such node', findings)
+         raw(e) = find(draft%node, card%ints(e + 1))
+         if (raw(e) == 0) call report_row(draft%deck, card, 'n'//str(e), SEV_ERROR, 'KJ-0078', &
+            'node '//str(card%ints(e + 1))//' is not defined', 'no such node')
       end do
    end subroutine find_nodes
 
    !> Ends are secondary nodes of bodies; a KJOINT2 takes a node with mass, too
-   subroutine check_ends(deck, block, rows, i, draft, model, kind, raw, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, i
-      type(rows_t), intent(in) :: rows
-      type(draft_t), intent(in) :: draft
+   subroutine check_ends(draft, model, kind, raw, card)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(in) :: model
       integer, intent(in) :: kind, raw(2)
-      type(finding_list_t), intent(inout) :: findings
+      type(card_row_t), intent(in) :: card
 
-      character(len=2), parameter :: FIELD(2) = ['n1', 'n2']
       integer :: e
 
       do e = 1, 2
-         if (draft%main_of(raw(e)) > 0) call report_row(deck, block, rows, i, FIELD(e), SEV_ERROR, &
+         if (draft%main_of(raw(e)) > 0) call report_row(draft%deck, card, 'n'//str(e), SEV_ERROR, &
             'KJ-1768', 'node '//str(draft%id(raw(e)))// &
-            ' of the joint is the main node of a rigid body', &
-            'expected: a secondary node', findings)
+            ' of the joint is the main node of a rigid body', 'expected: a secondary node')
          if (draft%main_of(raw(e)) > 0 .or. draft%body(raw(e)) > 0) cycle
          if (kind == KJOINT) then
-            call report_row(deck, block, rows, i, FIELD(e), SEV_WARNING, 'KJ-0391', 'node '// &
-               str(draft%id(raw(e)))//' of the joint belongs to no rigid body', 'free node', &
-               findings)
+            call report_row(draft%deck, card, 'n'//str(e), SEV_WARNING, 'KJ-0391', 'node '// &
+               str(draft%id(raw(e)))//' of the joint belongs to no rigid body', 'free node')
          else if (.not. model%mass(model%lead(draft%new(raw(e)))) > 0.0_wp) then
-            call report_row(deck, block, rows, i, FIELD(e), SEV_ERROR, 'KJ-9130', 'node '// &
+            call report_row(draft%deck, card, 'n'//str(e), SEV_ERROR, 'KJ-9130', 'node '// &
                str(draft%id(raw(e)))//' of the joint has no mass and belongs to no rigid body', &
-               'expected: a secondary node, or a node with mass', findings)
+               'expected: a secondary node, or a node with mass')
          end if
       end do
    end subroutine check_ends
@@ -259,5 +225,147 @@ contains
       if (abs(value) > 0.0_wp) law = linear
       if (curve > 0) law = tabulated
    end function law_of
+
+   !> Sort the joints into batches of one kind, type, frame rule and law signature
+   subroutine fill_batches(property, joint, model)
+      type(property_t), intent(in) :: property(:)
+      type(joint_t), intent(in) :: joint(:)
+      type(model_t), intent(inout) :: model
+
+      integer, allocatable :: key(:, :), batch_of(:), ends(:, :), count_of(:)
+      integer :: j, b, n, mine(NDOF + 4)
+
+      allocate (key(NDOF + 4, size(joint)), batch_of(size(joint)), count_of(size(joint)))
+      n = 0
+      do j = 1, size(joint)
+         associate (p => property(joint(j)%property))
+            mine = [p%row, p%frame, p%kind, merge(1, 0, p%limited), joint(j)%law]
+            if (joint(j)%rule > 0) mine(2) = joint(j)%rule
+         end associate
+         do b = 1, n
+            if (all(key(:, b) == mine)) exit
+         end do
+         if (b > n) then
+            n = b
+            key(:, b) = mine
+            count_of(b) = 0
+         end if
+         batch_of(j) = b
+         count_of(b) = count_of(b) + 1
+      end do
+      allocate (model%batch(n), ends(2, size(joint)))
+      do b = 1, n
+         call new_batch(count_of(b), model%batch(b))
+         model%batch(b)%first = sum(count_of(:b - 1))
+         model%batch(b)%row = key(1, b)
+         model%batch(b)%frame = key(2, b)
+         model%batch(b)%kind = key(3, b)
+         model%batch(b)%law = key(5:, b)
+         if (key(4, b) == 1) call new_limits(model%batch(b))
+      end do
+      count_of(:n) = 0
+      do j = 1, size(joint)
+         b = batch_of(j)
+         count_of(b) = count_of(b) + 1
+         call put_joint(property(joint(j)%property), joint(j), model%lead, count_of(b), &
+            model%batch(b))
+         ends(:, model%batch(b)%first + count_of(b)) = model%lead(joint(j)%node)
+         model%joint(j)%batch = b
+         model%joint(j)%place = count_of(b)
+         model%joint(j)%node = joint(j)%node
+         model%joint(j)%row = key(1, b)
+         model%joint(j)%property = property(joint(j)%property)%id
+      end do
+      call build_lead_map(model%n_lead, ends, model%map)
+   end subroutine fill_batches
+
+   !> Constants of one joint into place i of its batch
+   pure subroutine put_joint(p, joint, lead, i, batch)
+      type(property_t), intent(in) :: p
+      type(joint_t), intent(in) :: joint
+      integer, intent(in) :: lead(:), i
+      type(joint_batch_t), intent(inout) :: batch
+
+      integer :: dof, s
+
+      batch%node(i, :) = joint%node
+      batch%lead(i, :) = lead(joint%node)
+      batch%skew(i, :) = joint%skew
+      batch%xl0(i, :) = joint%xl0
+      batch%frame0(i, :) = reshape(joint%frame, [9])
+      batch%k(i, :) = joint%k
+      batch%c(i, :) = joint%c
+      batch%angle0(i, :) = joint%angle
+      batch%cr(i) = p%cr
+      if (all(joint_types(p%row)%free == 1)) batch%cr(i) = 0.0_wp
+      batch%reduced(i, :) = joint%reduced
+      batch%k_curve(i, :) = p%k_curve
+      batch%c_curve(i, :) = p%c_curve
+      do dof = 1, NDOF
+         s = merge(1, 2, dof <= 3)
+         if (iand(joint%law(dof), LAW_SPRING) /= 0) &
+            batch%k_top(i, s) = max(batch%k_top(i, s), joint%k(dof))
+         if (iand(joint%law(dof), LAW_DAMPER) /= 0 .and. joint_types(p%row)%free(dof) == 1) &
+            batch%c_top(i, s) = max(batch%c_top(i, s), joint%c(dof))
+      end do
+      if (is_spring(batch)) then
+         batch%k_top(i, :) = joint%top(1:2)
+         batch%c_top(i, :) = joint%top(3:4)
+      end if
+      if (batch%limited) call put_limits(p, joint, i, batch%limit)
+   end subroutine put_joint
+
+   pure subroutine put_limits(p, joint, i, limit)
+      type(property_t), intent(in) :: p
+      type(joint_t), intent(in) :: joint
+      integer, intent(in) :: i
+      type(limits_t), intent(inout) :: limit
+
+      limit%lo(i, :) = p%lo
+      limit%hi(i, :) = p%hi
+      limit%combined(i, :) = real(p%combined, wp)
+      limit%k(i, :) = p%k_limit
+      limit%slip(i, :) = p%slip
+      limit%slip_curve(i, :) = p%slip_curve
+      limit%cr(i) = p%cr
+      limit%cr_stop(i) = p%cr_stop
+      limit%k_block(i, :) = joint%k_block
+      limit%automatic(i) = p%automatic
+      limit%scale(i) = p%scf
+      limit%t_lock(i) = p%t_lock
+      limit%t_free(i) = p%t_free
+   end subroutine put_limits
+
+   !> Multiply the stiffness of blocked directions by a factor and their damping by its root, so
+   !> that the damping ratio stays
+   pure subroutine scale_blocking(model, factor)
+      type(model_t), intent(inout) :: model
+      real(wp), intent(in) :: factor             !! above 0
+
+      integer :: b
+
+      do b = 1, size(model%batch)
+         if (.not. is_spring(model%batch(b))) call scale_batch(model%batch(b), factor)
+      end do
+   end subroutine scale_blocking
+
+   pure subroutine scale_batch(batch, factor)
+      type(joint_batch_t), intent(inout) :: batch
+      real(wp), intent(in) :: factor
+
+      integer :: dof, s
+
+      batch%k_top = 0.0_wp
+      do dof = 1, NDOF
+         if (joint_types(batch%row)%free(dof) == 0) then
+            batch%k(:, dof) = factor*batch%k(:, dof)
+            batch%c(:, dof) = sqrt(factor)*batch%c(:, dof)
+         end if
+         s = merge(1, 2, dof <= 3)
+         if (iand(batch%law(dof), LAW_SPRING) /= 0) &
+            batch%k_top(:, s) = max(batch%k_top(:, s), batch%k(:, dof))
+      end do
+      if (batch%limited) batch%limit%k_block = factor*batch%limit%k_block
+   end subroutine scale_batch
 
 end module kj_build_joint

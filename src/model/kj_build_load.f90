@@ -1,69 +1,63 @@
-!> Cards -> model: boundary conditions, gravity, concentrated loads, imposed motion.
+!> Cards -> model: what acts on nodes: boundary conditions, gravity, concentrated loads, imposed
+!> motion, initial velocities.
 module kj_build_load
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
+   use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: sort_unique
    use kj_units, only: dimensions, D_FORCE, D_MOMENT, D_VELOCITY, D_ANGULAR_VELOCITY, D_LENGTH, &
       D_ACCELERATION, D_ANGULAR_ACCELERATION, D_NUMBER, D_TIME
-   use kj_keywords, only: KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, KW_IMPDISP, KW_IMPACC
+   use kj_keywords, only: KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, KW_IMPDISP, KW_IMPACC, &
+      KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS
    use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
    use kj_draft, only: draft_t, blocks_of, reference, group_nodes
    use kj_model, only: model_t, bcs_t, load_t, motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT, &
       IMPOSE_ACCELERATION, BY_DISPLACEMENT, BY_VELOCITY
+   use kj_math3, only: cross
    implicit none
    private
 
-   public :: build_conditions, build_gravity, build_cloads, build_motions
+   public :: build_conditions, build_gravity, build_cloads, build_motions, build_velocities
 
    character(len=2), parameter :: DIRECTION(6) = ['X ', 'Y ', 'Z ', 'XX', 'YY', 'ZZ']
 
 contains
 
    !> /BCS: one entry a lead; conditions on secondary nodes have no effect
-   subroutine build_conditions(deck, draft, model, findings)
-      type(deck_t), intent(in) :: deck
-      type(draft_t), intent(in) :: draft
+   subroutine build_conditions(draft, model)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
       integer, allocatable :: blocks(:), nodes(:), entry_of(:)
-      type(bcs_t), allocatable :: bcs(:), longer(:)
+      type(bcs_t), allocatable :: bcs(:)
       type(cards_t) :: cards
       logical :: fixed(6)
       integer :: i, k, n, lead, skew
 
-      blocks = blocks_of(deck, KW_BCS)
+      blocks = blocks_of(draft%deck, KW_BCS)
       allocate (entry_of(model%n_lead), source=0)
-      allocate (bcs(64))
+      allocate (bcs(model%n_lead))
       n = 0
       do i = 1, size(blocks)
-         call read_cards(deck, blocks(i), cards, findings)
-         call read_code(deck, cards, fixed, findings)
-         skew = reference(deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137', findings)
-         call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0678', .true., findings, nodes)
-         if (size(nodes) > 0 .and. all(draft%new(nodes) > model%n_lead)) call report(deck, cards, &
-            'grnod_id', SEV_WARNING, 'KJ-9154', &
-            'a boundary condition on secondary nodes has no effect', &
-            'holds secondary nodes only', findings, &
+         call read_cards(draft%deck, blocks(i), cards)
+         call read_code(draft%deck, cards, fixed)
+         skew = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
+         call group_nodes(draft, cards, 'grnod_id', 'KJ-0678', .true., nodes)
+         if (size(nodes) > 0 .and. all(draft%new(nodes) > model%n_lead)) call report(draft%deck, &
+            cards, 'grnod_id', SEV_WARNING, 'KJ-9154', &
+            'a boundary condition on secondary nodes has no effect', 'holds secondary nodes only', &
             hint='secondary nodes follow their body: hold its main node')
          do k = 1, size(nodes)
             lead = draft%new(nodes(k))
             if (lead > model%n_lead) cycle
             if (entry_of(lead) == 0) then
-               if (n == size(bcs)) then
-                  allocate (longer(2*n))
-                  longer(:n) = bcs
-                  call move_alloc(longer, bcs)
-               end if
                n = n + 1
                entry_of(lead) = n
                bcs(n)%lead = lead
                bcs(n)%skew = skew
             else if (bcs(entry_of(lead))%skew /= skew) then
-               call report(deck, cards, 'skew_id', SEV_ERROR, 'KJ-0148', 'node '// &
-                  str(draft%id(nodes(k)))//' has boundary conditions in two skews', &
-                  'another skew', findings)
+               call report(draft%deck, cards, 'skew_id', SEV_ERROR, 'KJ-0148', 'node '// &
+                  str(draft%id(nodes(k)))//' has boundary conditions in two skews', 'another skew')
             end if
             bcs(entry_of(lead))%fixed = bcs(entry_of(lead))%fixed .or. fixed
          end do
@@ -71,11 +65,10 @@ contains
       model%bcs = bcs(:n)
    end subroutine build_conditions
 
-   subroutine read_code(deck, cards, fixed, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_code(deck, cards, fixed)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       logical, intent(out) :: fixed(6)
-      type(finding_list_t), intent(inout) :: findings
 
       character(len=2), parameter :: FIELD(6) = ['Tx', 'Ty', 'Tz', 'Rx', 'Ry', 'Rz']
       integer :: i
@@ -83,113 +76,103 @@ contains
       do i = 1, 6
          fixed(i) = int_of(cards, FIELD(i)) == 1
          if (int_of(cards, FIELD(i)) > 1) call report(deck, cards, FIELD(i), SEV_ERROR, 'KJ-1051', &
-            'a digit of the condition is neither 0 nor 1', 'expected: 0 or 1', findings)
+            'a digit of the condition is neither 0 nor 1', 'expected: 0 or 1')
       end do
    end subroutine read_code
 
-   !> Axis 1-6 that a field names, 0 (reported) when it names none of the first `most`
-   integer function direction_of(deck, cards, most, id, findings) result(dir)
-      type(deck_t), intent(in) :: deck
+   !> Axis 1-6 that a field names; 1, and a finding, when it names none
+   integer function direction_of(deck, cards, id) result(dir)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
-      integer, intent(in) :: most
       character(len=*), intent(in) :: id
-      type(finding_list_t), intent(inout) :: findings
 
-      do dir = 1, most
-         if (DIRECTION(dir) == text_of(cards, 'dir')) return
-      end do
-      call report(deck, cards, 'dir', SEV_ERROR, id, 'the direction is not one of X Y Z XX YY ZZ', &
-         'expected: a direction', findings)
-      dir = 0
+      dir = findloc(DIRECTION, text_of(cards, 'dir'), 1)
+      if (dir == 0) call report(deck, cards, 'dir', SEV_ERROR, id, &
+         'the direction is not one of X Y Z XX YY ZZ', 'expected: a direction')
+      dir = max(1, dir)
    end function direction_of
 
    !> Curve, sensor, skew and scales of a load card
-   subroutine read_load(deck, cards, draft, curve_id, load, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_load(draft, cards, curve_id, load)
       type(cards_t), intent(in) :: cards
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(inout) :: draft
       character(len=*), intent(in) :: curve_id     !! message id of a missing function
       type(load_t), intent(inout) :: load
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: sensor
 
-      load%curve = reference(deck, cards, 'fct_id', draft%curve, 'function', curve_id, findings)
-      load%skew = reference(deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137', findings)
-      sensor = reference(deck, cards, 'sens_id', draft%sensor, 'sensor', 'KJ-0521', findings)
+      load%curve = reference(draft%deck, cards, 'fct_id', draft%curve, 'function', curve_id)
+      load%skew = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
+      sensor = reference(draft%deck, cards, 'sens_id', draft%sensor, 'sensor', 'KJ-0521')
       load%sensed = sensor > 0
       if (load%sensed) load%t_start = draft%sensors(sensor)%t_start
       if (load%sensed) load%t_stop = draft%sensors(sensor)%t_stop
       load%x_scale = real_of(cards, 'Ascale')
-      if (abs(load%x_scale) <= 0.0_wp) load%x_scale = factor_at(deck, cards%block, D_TIME)
+      if (abs(load%x_scale) <= 0.0_wp) load%x_scale = factor_at(draft%deck, cards%block, D_TIME)
    end subroutine read_load
 
    !> /GRAV: acts on leads only
-   subroutine build_gravity(deck, draft, model, findings)
-      type(deck_t), intent(in) :: deck
-      type(draft_t), intent(in) :: draft
+   subroutine build_gravity(draft, model)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
       integer, allocatable :: blocks(:), nodes(:)
       type(cards_t) :: cards
       integer :: i, k
 
-      blocks = blocks_of(deck, KW_GRAV)
+      blocks = blocks_of(draft%deck, KW_GRAV)
       allocate (model%gravity(size(blocks)))
       do i = 1, size(blocks)
          associate (load => model%gravity(i))
-            call read_cards(deck, blocks(i), cards, findings)
-            load%dir = max(1, index('XYZ', text_of(cards, 'dir')))
-            if (len(text_of(cards, 'dir')) /= 1 .or. index('XYZ', text_of(cards, 'dir')) == 0) then
+            call read_cards(draft%deck, blocks(i), cards)
+            load%dir = findloc(DIRECTION(:3), text_of(cards, 'dir'), 1)
+            if (load%dir == 0) then
                load%dir = 3
-               if (is_given(cards, 'dir')) call report(deck, cards, 'dir', SEV_WARNING, 'KJ-9122', &
-                  'the direction of gravity is not X, Y or Z: Z is taken', 'expected: X, Y or Z', &
-                  findings)
+               if (is_given(cards, 'dir')) call report(draft%deck, cards, 'dir', SEV_WARNING, &
+                  'KJ-9122', 'the direction of gravity is not X, Y or Z: Z is taken', &
+                  'expected: X, Y or Z')
             end if
-            call read_load(deck, cards, draft, 'KJ-0154', load, findings)
+            call read_load(draft, cards, 'KJ-0154', load)
             load%y_scale = real_of(cards, 'Fscale')
-            if (abs(load%y_scale) <= 0.0_wp) load%y_scale = factor_at(deck, blocks(i), &
+            if (abs(load%y_scale) <= 0.0_wp) load%y_scale = factor_at(draft%deck, blocks(i), &
                D_ACCELERATION)
-            call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', .false., findings, nodes)
+            call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .false., nodes)
             load%node = draft%new(nodes)
             if (int_of(cards, 'grnod_id') == 0) load%node = [(k, k=1, model%n_lead)]
             load%node = sort_unique(pack(load%node, load%node <= model%n_lead))
-            if (size(nodes) > 0 .and. size(load%node) == 0) call report(deck, cards, 'grnod_id', &
-               SEV_WARNING, 'KJ-9155', 'gravity on secondary nodes has no effect', &
-               'holds secondary nodes only', findings, &
+            if (size(nodes) > 0 .and. size(load%node) == 0) call report(draft%deck, cards, &
+               'grnod_id', SEV_WARNING, 'KJ-9155', 'gravity on secondary nodes has no effect', &
+               'holds secondary nodes only', &
                hint='a body feels gravity where its main node is in the group')
          end associate
       end do
    end subroutine build_gravity
 
    !> /CLOAD
-   subroutine build_cloads(deck, draft, model, findings)
-      type(deck_t), intent(in) :: deck
-      type(draft_t), intent(in) :: draft
+   subroutine build_cloads(draft, model)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
       integer, allocatable :: blocks(:), nodes(:)
       type(cards_t) :: cards
       integer :: i
 
-      blocks = blocks_of(deck, KW_CLOAD)
+      blocks = blocks_of(draft%deck, KW_CLOAD)
       allocate (model%cload(size(blocks)))
       do i = 1, size(blocks)
          associate (load => model%cload(i))
-            call read_cards(deck, blocks(i), cards, findings)
-            load%id = deck%block(blocks(i))%id
-            load%dir = max(1, direction_of(deck, cards, 6, 'KJ-0149', findings))
-            call read_load(deck, cards, draft, 'KJ-9123', load, findings)
+            call read_cards(draft%deck, blocks(i), cards)
+            load%id = draft%deck%block(blocks(i))%id
+            load%dir = direction_of(draft%deck, cards, 'KJ-0149')
+            call read_load(draft, cards, 'KJ-9123', load)
             load%abscissa = max(1, int_of(cards, 'Itypfun'))
-            if (load%abscissa > 3 .or. int_of(cards, 'Itypfun') < 0) call report(deck, cards, &
-               'Itypfun', SEV_ERROR, 'KJ-9124', &
-               'the abscissa type is not 0, 1, 2 or 3', 'expected: 0 to 3', findings)
-            load%y_scale = scale_of(cards, 'Fscale')* &
-               factor_at(deck, blocks(i), merge(D_FORCE, D_MOMENT, load%dir <= 3))
-            call scale_abscissa(deck, cards, draft%legacy, load, findings)
-            call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', .true., findings, nodes)
+            if (load%abscissa > 3 .or. int_of(cards, 'Itypfun') < 0) call report(draft%deck, &
+               cards, 'Itypfun', SEV_ERROR, 'KJ-9124', 'the abscissa type is not 0, 1, 2 or 3', &
+               'expected: 0 to 3')
+            load%y_scale = scale_of(cards, 'Fscale')* factor_at(draft%deck, blocks(i), &
+               merge(D_FORCE, D_MOMENT, load%dir <= 3))
+            call scale_abscissa(draft%deck, cards, draft%legacy, load)
+            call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .true., nodes)
             load%node = draft%new(nodes)
          end associate
       end do
@@ -197,12 +180,11 @@ contains
 
    !> Ascale of a load over displacement or velocity in its own unit; OpenRadioss, and so the legacy
    !> formulation, takes it for a time
-   subroutine scale_abscissa(deck, cards, legacy, load, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine scale_abscissa(deck, cards, legacy, load)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       logical, intent(in) :: legacy
       type(load_t), intent(inout) :: load
-      type(finding_list_t), intent(inout) :: findings
 
       integer, parameter :: UNIT_OF(2, 2) = reshape([D_LENGTH, D_NUMBER, D_VELOCITY, &
          D_ANGULAR_VELOCITY], [2, 2])
@@ -213,10 +195,9 @@ contains
       is = factor_at(deck, cards%block, D_TIME)
       if (.not. legacy) load%x_scale = load%x_scale*(wanted/is)
       if (legacy .and. abs(wanted - is) > 4.0_wp*epsilon(is)*is) call report(deck, cards, &
-         'Itypfun', &
-         SEV_WARNING, 'KJ-9209', &
+         'Itypfun', SEV_WARNING, 'KJ-9209', &
          'the legacy scheme takes the scale of a displacement or velocity '// &
-         'for a time when it converts units', 'not over time', findings, &
+         'for a time when it converts units', 'not over time', &
          hint='use the same input and work units')
    end subroutine scale_abscissa
 
@@ -241,11 +222,9 @@ contains
    end function scale_of
 
    !> /IMPVEL, /IMPDISP, /IMPACC: one entry a lead
-   subroutine build_motions(deck, draft, model, findings)
-      type(deck_t), intent(in) :: deck
-      type(draft_t), intent(in) :: draft
+   subroutine build_motions(draft, model)
+      type(draft_t), intent(inout) :: draft
       type(model_t), intent(inout) :: model
-      type(finding_list_t), intent(inout) :: findings
 
       type(motion_t), allocatable :: all_motions(:), longer(:)
       type(motion_t) :: motion
@@ -255,23 +234,23 @@ contains
 
       allocate (all_motions(16))
       n = 0
-      do i = 1, deck%n_block
-         select case (deck%block(i)%keyword)
+      do i = 1, draft%deck%n_block
+         select case (draft%deck%block(i)%keyword)
          case (KW_IMPVEL); kind = IMPOSE_VELOCITY
          case (KW_IMPDISP); kind = IMPOSE_DISPLACEMENT
          case (KW_IMPACC); kind = IMPOSE_ACCELERATION
          case default; cycle
          end select
-         call read_cards(deck, i, cards, findings)
-         call read_motion(deck, i, cards, draft, kind, motion, findings)
-         call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0053', .true., findings, nodes)
+         call read_cards(draft%deck, i, cards)
+         call read_motion(draft, i, cards, kind, motion)
+         call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .true., nodes)
          do k = 1, size(nodes)
             motion%lead = draft%new(nodes(k))
             if (motion%lead > model%n_lead) then
-               call report(deck, cards, 'grnod_id', SEV_WARNING, 'KJ-0147', 'node '// &
+               call report(draft%deck, cards, 'grnod_id', SEV_WARNING, 'KJ-0147', 'node '// &
                   str(draft%id(nodes(k)))// &
                   ' is a secondary node: its imposed motion has no effect', &
-                  'holds a secondary node', findings)
+                  'holds a secondary node')
                cycle
             end if
             if (n == size(all_motions)) then
@@ -286,28 +265,25 @@ contains
       model%motion = all_motions(:n)
    end subroutine build_motions
 
-   subroutine read_motion(deck, block, cards, draft, kind, motion, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_motion(draft, block, cards, kind, motion)
       integer, intent(in) :: block, kind
       type(cards_t), intent(in) :: cards
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(inout) :: draft
       type(motion_t), intent(out) :: motion
-      type(finding_list_t), intent(inout) :: findings
 
       integer, parameter :: UNIT_OF(2, 3) = reshape([D_VELOCITY, D_ANGULAR_VELOCITY, D_LENGTH, &
-         D_NUMBER, &
-         D_ACCELERATION, D_ANGULAR_ACCELERATION], [2, 3])
+         D_NUMBER, D_ACCELERATION, D_ANGULAR_ACCELERATION], [2, 3])
       type(load_t) :: load
 
       motion%kind = kind
-      motion%dir = max(1, direction_of(deck, cards, 6, 'KJ-0164', findings))
-      call read_load(deck, cards, draft, 'KJ-9123', load, findings)
+      motion%dir = direction_of(draft%deck, cards, 'KJ-0164')
+      call read_load(draft, cards, 'KJ-9123', load)
       motion%curve = load%curve
       motion%skew = load%skew
       motion%sensed = load%sensed
       motion%x_scale = load%x_scale
-      motion%y_scale = scale_of(cards, 'Fscale')*factor_at(deck, block, UNIT_OF(merge(1, 2, &
-         motion%dir <= 3), kind))
+      motion%y_scale = scale_of(cards, 'Fscale')*factor_at(draft%deck, block, &
+         UNIT_OF(merge(1, 2, motion%dir <= 3), kind))
       motion%t_start = real_of(cards, 'Tstart')
       if (real_of(cards, 'Tstop') > 0.0_wp) motion%t_stop = real_of(cards, 'Tstop')
       if (load%sensed) then
@@ -318,12 +294,109 @@ contains
       if (kind == IMPOSE_ACCELERATION) return
       if (int_of(cards, 'frame_id') == 0) return
       if (int_of(cards, 'skew_id') /= 0) then
-         call report(deck, cards, 'frame_id', SEV_ERROR, 'KJ-0491', &
-            'a skew and a frame are given together', 'expected: 0', findings)
+         call report(draft%deck, cards, 'frame_id', SEV_ERROR, 'KJ-0491', &
+            'a skew and a frame are given together', 'expected: 0')
       else
-         call report(deck, cards, 'frame_id', SEV_ERROR, 'KJ-9125', &
-            'imposed motion in a frame is not supported', 'expected: 0', findings)
+         call report(draft%deck, cards, 'frame_id', SEV_ERROR, 'KJ-9125', &
+            'imposed motion in a frame is not supported', 'expected: 0')
       end if
    end subroutine read_motion
+
+   !> Initial velocities in deck order, the last one on a node wins; secondary nodes follow their
+   !> body
+   subroutine build_velocities(draft, model)
+      type(draft_t), intent(inout) :: draft
+      type(model_t), intent(inout) :: model
+
+      type(cards_t) :: cards
+      integer, allocatable :: nodes(:)
+      integer :: i, b, keyword
+
+      do i = 1, draft%deck%n_block
+         keyword = draft%deck%block(i)%keyword
+         if (.not. any(keyword == [KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS])) &
+            cycle
+         call read_cards(draft%deck, i, cards)
+         call refuse_late(draft, cards)
+         call group_nodes(draft, cards, 'grnod_id', 'KJ-0668', .true., nodes)
+         nodes = draft%new(nodes)
+         if (size(nodes) > 0 .and. all(nodes > model%n_lead)) call report(draft%deck, cards, &
+            'grnod_id', SEV_WARNING, 'KJ-9152', &
+            'an initial velocity of secondary nodes has no effect', 'holds secondary nodes only', &
+            hint='secondary nodes follow their body: give the velocity to its main node')
+         if (keyword == KW_INIVEL_AXIS) then
+            call set_axis_velocity(draft, cards, nodes, model)
+         else
+            call set_velocity(draft, cards, keyword, nodes, model)
+         end if
+      end do
+      do i = model%n_lead + 1, model%n_node
+         b = model%lead(i)
+         model%v0(i, :) = model%v0(b, :) + cross(model%w0(b, :), model%x0(i, :) - model%x0(b, :))
+      end do
+   end subroutine build_velocities
+
+   !> Velocities act at the start, and at no other time
+   subroutine refuse_late(draft, cards)
+      type(cards_t), intent(in) :: cards
+      type(draft_t), intent(inout) :: draft
+
+      integer :: sensor
+
+      sensor = reference(draft%deck, cards, 'sens_id', draft%sensor, 'sensor', 'KJ-1252')
+      if (sensor > 0) call report(draft%deck, cards, 'sens_id', SEV_ERROR, 'KJ-9117', &
+         'initial velocities after a sensor are not supported', 'expected: 0')
+      if (real_of(cards, 'Tstart') > 0.0_wp) call report(draft%deck, cards, 'Tstart', SEV_ERROR, &
+         'KJ-9117', 'initial velocities after the start are not supported', 'expected: 0')
+   end subroutine refuse_late
+
+   !> /INIVEL/TRA, T+G and ROT
+   subroutine set_velocity(draft, cards, keyword, nodes, model)
+      type(cards_t), intent(in) :: cards
+      integer, intent(in) :: keyword
+      type(draft_t), intent(inout) :: draft
+      integer, intent(in) :: nodes(:)            !! model indices
+      type(model_t), intent(inout) :: model
+
+      real(wp) :: v(3)
+      integer :: k, skew
+
+      v = [real_of(cards, 'Vx'), real_of(cards, 'Vy'), real_of(cards, 'Vz')]
+      skew = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0184')
+      v = matmul(reshape(draft%skews%axes(skew, :), [3, 3]), v)
+      do k = 1, size(nodes)
+         if (keyword /= KW_INIVEL_ROT) then
+            model%v0(nodes(k), :) = v
+         else if (nodes(k) <= model%n_lead) then
+            model%w0(nodes(k), :) = v
+         end if
+      end do
+   end subroutine set_velocity
+
+   !> /INIVEL/AXIS: v = Vt + Vr axis x (x - O), w = Vr axis, at the place of a main node after it
+   !> moved
+   subroutine set_axis_velocity(draft, cards, nodes, model)
+      type(cards_t), intent(in) :: cards
+      type(draft_t), intent(inout) :: draft
+      integer, intent(in) :: nodes(:)            !! model indices
+      type(model_t), intent(inout) :: model
+
+      real(wp) :: a(3, 3), origin(3), w(3), v(3)
+      integer :: dir, frame, k
+
+      dir = findloc(DIRECTION(:3), text_of(cards, 'dir'), 1)
+      if (dir == 0) call report(draft%deck, cards, 'dir', SEV_ERROR, 'KJ-0933', &
+         'the axis is not X, Y or Z', 'expected: X, Y or Z')
+      frame = reference(draft%deck, cards, 'frame_id', draft%frame, 'frame', 'KJ-0490')
+      if (dir == 0) return
+      a = reshape(draft%frames%axes(frame, :), [3, 3])
+      origin = draft%frame_origin(frame, :)
+      w = real_of(cards, 'Vr')*a(:, dir)
+      v = matmul(a, [real_of(cards, 'Vxt'), real_of(cards, 'Vyt'), real_of(cards, 'Vzt')])
+      do k = 1, size(nodes)
+         model%v0(nodes(k), :) = v + cross(w, model%x0(nodes(k), :) - origin)
+         if (nodes(k) <= model%n_lead) model%w0(nodes(k), :) = w
+      end do
+   end subroutine set_axis_velocity
 
 end module kj_build_load

@@ -1,200 +1,144 @@
-!> Cards -> draft: nodes, added masses, functions, sensors; and what the deck says of its analysis.
+!> Cards -> draft: nodes, parts and their elements, added masses, functions, sensors; and what the
+!> deck says of its analysis.
 module kj_build_scene
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, fail, add_finding, error_t, str, SEV_ERROR, SEV_WARNING, &
-      ERR_INPUT
-   use kj_sort, only: new_lookup, find
+   use kj_error, only: fail, add_finding, error_t, str, SEV_ERROR, SEV_WARNING, ERR_INPUT
+   use kj_sort, only: new_lookup, find, lookup_t
    use kj_keywords, only: KW_NODE, KW_ADMAS, KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_ANALY, &
-      KW_RANDOM
-   use kj_deck_text, only: deck_t
+      KW_RANDOM, KW_PART, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_MAT_VOID, &
+      KW_OTHER, keywords
+   use kj_deck_text, only: deck_t, report_header
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
-      report_row, report_header
-   use kj_draft, only: draft_t, blocks_of, block_lookup, group_nodes, report_double_blocks, &
-      known_ids
+      report_row, row_of
+   use kj_draft, only: draft_t, blocks_of, group_nodes, known_ids, find_blocks, reference
    implicit none
    private
 
-   public :: build_nodes, build_masses, build_curves, build_sensors, check_analysis
+   public :: build_nodes, build_parts, build_masses, build_curves, build_sensors, check_analysis
 
 contains
 
-   !> Nodes of all /NODE blocks
-   subroutine build_nodes(deck, draft, findings)
-      type(deck_t), intent(in) :: deck
+   !> Nodes of all /NODE blocks; ids that stand twice or are not positive are reported
+   subroutine build_nodes(draft)
       type(draft_t), intent(inout) :: draft
-      type(finding_list_t), intent(inout) :: findings
 
-      integer, allocatable :: blocks(:)
-      type(rows_t), allocatable :: rows(:)
+      type(rows_t) :: rows
       type(error_t), allocatable :: error
       integer :: i, n
 
-      blocks = blocks_of(deck, KW_NODE)
-      allocate (rows(size(blocks)))
-      do i = 1, size(blocks)
-         call read_rows(deck, blocks(i), rows(i), findings)
-      end do
-      draft%n_node = sum(rows%n)
-      allocate (draft%id(draft%n_node), draft%x(draft%n_node, 3))
-      n = 0
-      do i = 1, size(blocks)
-         draft%id(n + 1:n + rows(i)%n) = rows(i)%ints(:rows(i)%n, 1)
-         draft%x(n + 1:n + rows(i)%n, :) = rows(i)%reals(:rows(i)%n, 1:3)
-         n = n + rows(i)%n
-      end do
+      call read_rows(draft%deck, blocks_of(draft%deck, KW_NODE), rows)
+      n = rows%n
+      draft%n_node = n
+      draft%id = rows%ints(:, 1)
+      draft%x = rows%reals(:, 1:3)
       call new_lookup(draft%id, draft%node)
-      call report_bad_nodes(deck, blocks, rows, draft, findings)
+      do i = 1, n
+         associate (id => draft%node%id(i), row => row_of(rows, draft%node%place(i)))
+            if (id <= 0) then
+               call report_row(draft%deck, row, 'id', SEV_ERROR, 'KJ-9144', &
+                  'a node has the id '//str(id), 'expected: a positive id')
+            else if (i > 1) then
+               if (id == draft%node%id(i - 1)) call report_row(draft%deck, row, 'id', SEV_ERROR, &
+                  'KJ-0056', 'node '//str(id)//' is defined twice', 'used before')
+            end if
+         end associate
+      end do
       allocate (draft%mass(n), draft%inertia(n), source=0.0_wp)
       allocate (draft%body(n), draft%main_of(n), draft%new(n), source=0)
       if (n > 0) return
       call fail(error, ERR_INPUT, 'the deck has no node', 'KJ-0003')
-      call add_finding(findings, error)
+      call add_finding(draft%deck%findings, error)
    end subroutine build_nodes
 
-   !> Ids that stand twice or are not positive
-   subroutine report_bad_nodes(deck, blocks, rows, draft, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: blocks(:)
-      type(rows_t), intent(in) :: rows(:)
-      type(draft_t), intent(in) :: draft
-      type(finding_list_t), intent(inout) :: findings
-
-      integer :: i, k, at
-
-      do i = 1, draft%n_node
-         if (draft%node%id(i) <= 0) then
-            call locate(draft%node%place(i), k, at)
-            call report_row(deck, blocks(k), rows(k), at, 'id', SEV_ERROR, 'KJ-9144', &
-               'a node has the id '//str(draft%node%id(i)), 'expected: a positive id', findings)
-         else if (i > 1) then
-            if (draft%node%id(i) /= draft%node%id(i - 1)) cycle
-            call locate(draft%node%place(i), k, at)
-            call report_row(deck, blocks(k), rows(k), at, 'id', SEV_ERROR, 'KJ-0056', &
-               'node '//str(draft%node%id(i))//' is defined twice', 'used before', findings)
-         end if
-      end do
-   contains
-      !> Block and row of a node
-      subroutine locate(place, block, row)
-         integer, intent(in) :: place
-         integer, intent(out) :: block, row
-
-         row = place
-         do block = 1, size(rows)
-            if (row <= rows(block)%n) return
-            row = row - rows(block)%n
-         end do
-      end subroutine locate
-   end subroutine report_bad_nodes
-
    !> Added masses of nodes: /ADMAS types 0 (on each), 1 (shared), 5 (node by node)
-   subroutine build_masses(deck, draft, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine build_masses(draft)
       type(draft_t), intent(inout) :: draft
-      type(finding_list_t), intent(inout) :: findings
 
       integer, allocatable :: blocks(:), nodes(:)
       type(cards_t) :: cards
       real(wp) :: mass
       integer :: i
 
-      blocks = blocks_of(deck, KW_ADMAS)
+      blocks = blocks_of(draft%deck, KW_ADMAS)
       do i = 1, size(blocks)
-         if (deck%block(blocks(i))%variant == 5) then
-            call add_mass_rows(deck, blocks(i), draft, findings)
+         if (draft%deck%block(blocks(i))%variant == 5) then
+            call add_mass_rows(draft, blocks(i))
             cycle
          end if
-         call read_cards(deck, blocks(i), cards, findings)
-         call group_nodes(draft, deck, cards, 'grnod_id', 'KJ-0668', .true., findings, nodes)
+         call read_cards(draft%deck, blocks(i), cards)
+         call group_nodes(draft, cards, 'grnod_id', 'KJ-0668', .true., nodes)
          mass = real_of(cards, 'mass')
-         if (mass < 0.0_wp) call report(deck, cards, 'mass', SEV_WARNING, 'KJ-0476', &
-            'the added mass is negative', 'less than zero', findings)
-         if (deck%block(blocks(i))%variant == 1) mass = mass/real(max(1, size(nodes)), wp)
+         if (mass < 0.0_wp) call report(draft%deck, cards, 'mass', SEV_WARNING, 'KJ-0476', &
+            'the added mass is negative', 'less than zero')
+         if (draft%deck%block(blocks(i))%variant == 1) mass = mass/real(max(1, size(nodes)), wp)
          draft%mass(nodes) = draft%mass(nodes) + mass
       end do
    end subroutine build_masses
 
-   subroutine add_mass_rows(deck, block, draft, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine add_mass_rows(draft, block)
       integer, intent(in) :: block
       type(draft_t), intent(inout) :: draft
-      type(finding_list_t), intent(inout) :: findings
 
       type(rows_t) :: rows
       integer :: i, raw
 
-      call read_rows(deck, block, rows, findings)
+      call read_rows(draft%deck, [block], rows)
       do i = 1, rows%n
          raw = find(draft%node, rows%ints(i, 1))
          if (raw > 0) draft%mass(raw) = draft%mass(raw) + rows%reals(i, 1)
-         if (raw == 0) call report_row(deck, block, rows, i, 'node_id', SEV_ERROR, 'KJ-0871', &
-            'node '//str(rows%ints(i, 1))//' is not defined', 'no such node', findings)
-         if (rows%reals(i, 1) < 0.0_wp) call report_row(deck, block, rows, i, 'mass', SEV_WARNING, &
-            'KJ-0476', 'the added mass is negative', 'less than zero', findings)
+         if (raw == 0) call report_row(draft%deck, row_of(rows, i), 'node_id', SEV_ERROR, &
+            'KJ-0871', 'node '//str(rows%ints(i, 1))//' is not defined', 'no such node')
+         if (rows%reals(i, 1) < 0.0_wp) call report_row(draft%deck, row_of(rows, i), 'mass', &
+            SEV_WARNING, 'KJ-0476', 'the added mass is negative', 'less than zero')
       end do
    end subroutine add_mass_rows
 
    !> /FUNCT, and /MOVE_FUNCT on them in deck order
-   subroutine build_curves(deck, draft, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine build_curves(draft)
       type(draft_t), intent(inout) :: draft
-      type(finding_list_t), intent(inout) :: findings
 
       integer, allocatable :: blocks(:)
-      type(rows_t), allocatable :: rows(:)
-      integer :: i, n
+      type(rows_t) :: rows
+      integer :: i
 
-      blocks = blocks_of(deck, KW_FUNCT)
-      call block_lookup(deck, blocks, draft%curve)
-      call report_double_blocks(deck, blocks, 'function', findings)
-      allocate (rows(size(blocks)))
+      call find_blocks(draft%deck, [KW_FUNCT], 'function', blocks, draft%curve)
+      call read_rows(draft%deck, blocks, rows)
       do i = 1, size(blocks)
-         call read_rows(deck, blocks(i), rows(i), findings)
-         call check_points(deck, blocks(i), rows(i), findings)
+         call check_points(draft%deck, blocks(i), rows, rows%from(i), rows%from(i + 1) - 1)
       end do
-      associate (c => draft%curves)
-         c%n = size(blocks)
-         c%id = deck%block(blocks)%id
-         allocate (c%first(c%n + 1), c%x(sum(rows%n)), c%y(sum(rows%n)))
-         n = 0
-         do i = 1, c%n
-            c%first(i) = n + 1
-            c%x(n + 1:n + rows(i)%n) = rows(i)%reals(:, 1)
-            c%y(n + 1:n + rows(i)%n) = rows(i)%reals(:, 2)
-            n = n + rows(i)%n
-         end do
-         c%first(c%n + 1) = n + 1
-      end associate
-      call move_curves(deck, draft, findings)
+      draft%curves%n = size(blocks)
+      draft%curves%id = draft%deck%block(blocks)%id
+      draft%curves%first = rows%from
+      draft%curves%x = rows%reals(:, 1)
+      draft%curves%y = rows%reals(:, 2)
+      call move_curves(draft)
    end subroutine build_curves
 
-   subroutine check_points(deck, block, rows, findings)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block
+   !> The points of one function, rows `first` to `last`
+   subroutine check_points(deck, block, rows, first, last)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: block, first, last
       type(rows_t), intent(in) :: rows
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: k
 
-      do k = 2, rows%n
-         if (.not. rows%reals(k, 1) > rows%reals(k - 1, 1)) call report_row(deck, block, rows, k, &
+      do k = first + 1, last
+         if (.not. rows%reals(k, 1) > rows%reals(k - 1, 1)) call report_row(deck, row_of(rows, k), &
             'x', SEV_ERROR, 'KJ-0156', 'the abscissae of a function must increase', &
-            'not above the line before', findings)
+            'not above the line before')
       end do
-      if (rows%n == 0) then
+      if (last < first) then
          call report_header(deck, block, SEV_ERROR, 'KJ-9112', 'the function has no point', &
-            'no card follows', findings)
-      else if (rows%n == 1) then
+            'no card follows')
+      else if (last == first) then
          call report_header(deck, block, SEV_WARNING, 'KJ-1874', &
-            'the function has a single point', 'one card', findings)
+            'the function has a single point', 'one card')
       end if
    end subroutine check_points
 
    !> x := x Ascale_x + Ashift_x, y := y Fscale_y + Fshift_y; a scale 0 means 1
-   subroutine move_curves(deck, draft, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine move_curves(draft)
       type(draft_t), intent(inout) :: draft
-      type(finding_list_t), intent(inout) :: findings
 
       type(cards_t) :: cards
       integer, allocatable :: blocks(:)
@@ -202,13 +146,13 @@ contains
       integer :: i, place, first, last
       logical :: rises
 
-      blocks = blocks_of(deck, KW_MOVE_FUNCT)
+      blocks = blocks_of(draft%deck, KW_MOVE_FUNCT)
       do i = 1, size(blocks)
-         call read_cards(deck, blocks(i), cards, findings)
-         place = find(draft%curve, deck%block(blocks(i))%id)
+         call read_cards(draft%deck, blocks(i), cards)
+         place = find(draft%curve, draft%deck%block(blocks(i))%id)
          if (place == 0) then
-            call report_header(deck, blocks(i), SEV_ERROR, 'KJ-9145', 'function '// &
-               str(deck%block(blocks(i))%id)//' is not defined', 'no such function', findings, &
+            call report_header(draft%deck, blocks(i), SEV_ERROR, 'KJ-9145', 'function '// &
+               str(draft%deck%block(blocks(i))%id)//' is not defined', 'no such function', &
                known_ids(draft%curve, 'function'))
             cycle
          end if
@@ -224,44 +168,37 @@ contains
                x = x(size(x):1:-1)
                y = y(size(y):1:-1)
             end if
-            if (rises .and. any(.not. x(2:) > x(:size(x) - 1))) call report(deck, cards, &
-               'Ascale_x', &
-               SEV_ERROR, &
-               'KJ-9146', 'the function has equal abscissae after the move', &
-               'scale or shift too extreme', findings)
+            if (rises .and. any(.not. x(2:) > x(:size(x) - 1))) call report(draft%deck, cards, &
+               'Ascale_x', SEV_ERROR, 'KJ-9146', &
+               'the function has equal abscissae after the move', 'scale or shift too extreme')
          end associate
       end do
    end subroutine move_curves
 
    !> /SENSOR/TIME
-   subroutine build_sensors(deck, draft, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine build_sensors(draft)
       type(draft_t), intent(inout) :: draft
-      type(finding_list_t), intent(inout) :: findings
 
       integer, allocatable :: blocks(:)
       type(cards_t) :: cards
       integer :: i
 
-      blocks = blocks_of(deck, KW_SENSOR_TIME)
-      call block_lookup(deck, blocks, draft%sensor)
-      call report_double_blocks(deck, blocks, 'sensor', findings)
+      call find_blocks(draft%deck, [KW_SENSOR_TIME], 'sensor', blocks, draft%sensor)
       allocate (draft%sensors(size(blocks)))
       do i = 1, size(blocks)
-         call read_cards(deck, blocks(i), cards, findings)
+         call read_cards(draft%deck, blocks(i), cards)
          draft%sensors(i)%t_start = real_of(cards, 'Tdelay')
          if (.not. is_given(cards, 'Tstop') .or. real_of(cards, 'Tstop') <= 0.0_wp) cycle
          draft%sensors(i)%t_stop = max(real_of(cards, 'Tstop'), real_of(cards, 'Tdelay'))
-         if (real_of(cards, 'Tstop') < real_of(cards, 'Tdelay')) call report(deck, cards, 'Tstop', &
-            SEV_WARNING, 'KJ-9147', 'the sensor stops before it starts', 'taken as its start', &
-            findings)
+         if (real_of(cards, 'Tstop') < real_of(cards, 'Tdelay')) call report(draft%deck, cards, &
+            'Tstop', SEV_WARNING, 'KJ-9147', 'the sensor stops before it starts', &
+            'taken as its start')
       end do
    end subroutine build_sensors
 
    !> /ANALY must be 3D, /RANDOM must disturb nothing
-   subroutine check_analysis(deck, findings)
-      type(deck_t), intent(in) :: deck
-      type(finding_list_t), intent(inout) :: findings
+   subroutine check_analysis(deck)
+      type(deck_t), intent(inout) :: deck
 
       type(cards_t) :: cards
       integer :: i
@@ -269,17 +206,106 @@ contains
       do i = 1, deck%n_block
          select case (deck%block(i)%keyword)
          case (KW_ANALY)
-            call read_cards(deck, i, cards, findings)
+            call read_cards(deck, i, cards)
             if (int_of(cards, 'N2D3D') /= 0) call report(deck, cards, 'N2D3D', SEV_ERROR, &
-               'KJ-9148', 'plane and axisymmetric scenes are not supported', 'expected: 0', &
-               findings)
+               'KJ-9148', 'plane and axisymmetric scenes are not supported', 'expected: 0')
          case (KW_RANDOM)
-            call read_cards(deck, i, cards, findings)
+            call read_cards(deck, i, cards)
             if (abs(real_of(cards, 'Xalea')) > 0.0_wp) call report(deck, cards, 'Xalea', &
-               SEV_ERROR, &
-               'KJ-9149', 'disturbed coordinates are not supported', 'expected: 0', findings)
+               SEV_ERROR, 'KJ-9149', 'disturbed coordinates are not supported', 'expected: 0')
          end select
       end do
    end subroutine check_analysis
+
+   !> Parts and elements; draft%property_block holds the properties of all kinds
+   subroutine build_parts(draft)
+      type(draft_t), intent(inout) :: draft
+
+      type(lookup_t) :: material
+      type(cards_t) :: cards
+      integer, allocatable :: materials(:)
+      integer :: i, place
+
+      call find_blocks(draft%deck, [KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8], 'property', &
+         draft%property_block, draft%property)
+      materials = blocks_of(draft%deck, KW_MAT_VOID)
+      do i = 1, size(materials)   ! their card is optional and used for nothing, but is of numbers
+         if (draft%deck%block(materials(i))%last > draft%deck%block(materials(i))%first) &
+            call read_cards(draft%deck, materials(i), cards)
+      end do
+      materials = [materials, other_materials(draft%deck)]
+      call new_lookup(draft%deck%block(materials)%id, material)
+      call find_blocks(draft%deck, [KW_PART], 'part', draft%part_block, draft%part)
+      allocate (draft%part_property(size(draft%part_block)))
+      do i = 1, size(draft%part_block)
+         call read_cards(draft%deck, draft%part_block(i), cards)
+         draft%part_property(i) = reference(draft%deck, cards, 'prop_id', draft%property, &
+            'property', 'KJ-0178')
+         if (int_of(cards, 'prop_id') == 0) call report(draft%deck, cards, 'prop_id', SEV_ERROR, &
+            'KJ-0178', 'the part has no property', 'expected: id of a property')
+         place = reference(draft%deck, cards, 'mat_id', material, 'material', 'KJ-0179')
+         if (int_of(cards, 'Irigid') /= 0) call report(draft%deck, cards, 'Irigid', SEV_ERROR, &
+            'KJ-9131', 'rigid parts are not supported', 'expected: 0', &
+            hint='put the nodes of the part into a /RBODY')
+      end do
+      call read_elements(draft)
+      if (size(draft%part_block) == 0 .and. draft%deck%n_block > 0) call report_header(draft%deck, &
+         1, SEV_WARNING, 'KJ-1114', 'the deck has no /PART, so no joint', 'this deck')
+   end subroutine build_parts
+
+   !> Blocks of materials that --ignore-unsupported let pass
+   pure function other_materials(deck) result(list)
+      type(deck_t), intent(in) :: deck
+      integer, allocatable :: list(:)
+
+      integer :: i
+      logical :: is_material(deck%n_block)
+
+      is_material = .false.
+      do i = 1, deck%n_block
+         if (deck%block(i)%keyword /= KW_OTHER .or. deck%block(i)%row == 0) cycle
+         is_material(i) = keywords(deck%block(i)%row)%name == '/MAT'
+      end do
+      list = pack([(i, i=1, deck%n_block)], is_material)
+   end function other_materials
+
+   !> Cards of all /SPRING blocks, the parts they belong to, and double ids
+   subroutine read_elements(draft)
+      type(draft_t), intent(inout) :: draft
+
+      type(rows_t) :: rows
+      integer, allocatable :: blocks(:)
+      integer :: b, i, n, part
+
+      blocks = blocks_of(draft%deck, KW_SPRING)
+      call read_rows(draft%deck, blocks, rows)
+      n = rows%n
+      associate (e => draft%elements)
+         e%n = n
+         allocate (e%card(n), e%part(n), e%node(2, n))
+         do b = 1, size(blocks)
+            associate (id => draft%deck%block(blocks(b))%id, first => rows%from(b), &
+               last => rows%from(b + 1) - 1)
+               part = find(draft%part, id)
+               e%part(first:last) = part
+               if (part == 0 .and. last >= first) call report_header(draft%deck, blocks(b), &
+                  SEV_ERROR, 'KJ-0402', 'part '//str(id)//' of these elements is not defined', &
+                  'the id is that of a part', hint=known_ids(draft%part, 'part'))
+            end associate
+         end do
+         do i = 1, n
+            e%card(i) = row_of(rows, i)
+            e%node(1, i) = find(draft%node, rows%ints(i, 2))
+            e%node(2, i) = find(draft%node, rows%ints(i, 3))
+         end do
+         call new_lookup(rows%ints(:, 1), e%id)
+         call new_lookup(e%part, e%of_part)
+         do i = 2, n
+            if (e%id%id(i) == e%id%id(i - 1)) call report_row(draft%deck, &
+               e%card(e%id%place(i)), 'id', SEV_ERROR, 'KJ-0079', &
+               'element '//str(e%id%id(i))//' is defined twice', 'used before')
+         end do
+      end associate
+   end subroutine read_elements
 
 end module kj_build_scene

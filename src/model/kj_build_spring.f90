@@ -4,7 +4,7 @@
 !> Source: docs/theory/deck.md 5.3 and 5.4.
 module kj_build_spring
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, str, SEV_ERROR, SEV_WARNING
+   use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_units, only: dimensions, D_LENGTH, D_NUMBER, D_FORCE, D_MOMENT, D_VELOCITY, &
       D_ANGULAR_VELOCITY
    use kj_curve, only: add_curve
@@ -13,9 +13,8 @@ module kj_build_spring
    use kj_keywords, only: KW_SPRING4, KW_SPRING8
    use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, is_given, report
-   use kj_draft, only: draft_t, blocks_of, reference
-   use kj_joint_draft, only: property_t
-   use kj_curve_units, only: convert_abscissae
+   use kj_draft, only: draft_t, blocks_of, reference, property_t
+   use kj_build_property, only: convert_abscissae
    implicit none
    private
 
@@ -26,141 +25,116 @@ module kj_build_spring
 contains
 
    !> Properties of all springs, those of type 4 first; adds their masses to the nodes of the draft
-   subroutine build_spring_properties(deck, draft, property, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine build_spring_properties(draft)
       type(draft_t), intent(inout) :: draft
-      type(property_t), allocatable, intent(out) :: property(:)
-      type(finding_list_t), intent(inout) :: findings
 
+      type(property_t), allocatable :: property(:)
       type(cards_t) :: cards
       integer, allocatable :: blocks(:)
       integer :: i
 
-      blocks = [blocks_of(deck, KW_SPRING4), blocks_of(deck, KW_SPRING8)]
+      blocks = [blocks_of(draft%deck, KW_SPRING4), blocks_of(draft%deck, KW_SPRING8)]
       allocate (property(size(blocks)))
       do i = 1, size(blocks)
-         call read_cards(deck, blocks(i), cards, findings)
-         property(i)%id = deck%block(blocks(i))%id
-         property(i)%row = ROW_FREE
-         if (deck%block(blocks(i))%keyword == KW_SPRING4) then
-            call read_spring4(deck, cards, draft, property(i), findings)
-         else
-            call read_spring8(deck, cards, draft, property(i), findings)
-         end if
+         call read_cards(draft%deck, blocks(i), cards)
+         call read_spring(draft, cards, draft%deck%block(blocks(i))%keyword, property(i))
       end do
-      call add_masses(property, draft)
+      call move_alloc(property, draft%properties)
+      call add_masses(draft)
    end subroutine build_spring_properties
 
    !> Half of the mass and inertia of each spring to each of its nodes
-   subroutine add_masses(property, draft)
-      type(property_t), intent(in) :: property(:)
+   subroutine add_masses(draft)
       type(draft_t), intent(inout) :: draft
 
       integer :: i, e, before, place
 
-      before = size(draft%property_block) - size(property)
+      before = size(draft%property_block) - size(draft%properties)
       do i = 1, draft%elements%n
          if (draft%elements%part(i) == 0) cycle
          place = draft%part_property(draft%elements%part(i)) - before
          if (place < 1) cycle
          do e = 1, 2
-            associate (node => draft%elements%node(e, i))
+            associate (node => draft%elements%node(e, i), p => draft%properties(place))
                if (node == 0) cycle
-               draft%mass(node) = draft%mass(node) + 0.5_wp*property(place)%mass
-               draft%inertia(node) = draft%inertia(node) + 0.5_wp*property(place)%inertia
+               draft%mass(node) = draft%mass(node) + 0.5_wp*p%mass
+               draft%inertia(node) = draft%inertia(node) + 0.5_wp*p%inertia
             end associate
          end do
       end do
    end subroutine add_masses
 
-   !> Spring along its line: one law, for the change of the length
-   subroutine read_spring4(deck, cards, draft, p, findings)
-      type(deck_t), intent(in) :: deck
-      type(cards_t), intent(in) :: cards
+   !> A spring along its line with one law, for the change of the length (type 4), or one with six
+   !> laws in the axes of a skew (type 8)
+   subroutine read_spring(draft, cards, keyword, p)
       type(draft_t), intent(inout) :: draft
-      type(property_t), intent(inout) :: p
-      type(finding_list_t), intent(inout) :: findings
-
-      p%kind = SPRING4
-      p%frame = FRAME_LINE
-      p%mass = real_of(cards, 'Mass')
-      if (.not. p%mass > 1.0e-15_wp) call report(deck, cards, 'Mass', SEV_ERROR, 'KJ-0229', &
-         'the spring has no mass', 'expected: more than 1e-15', findings)
-      call refuse_sensor(deck, cards, findings)
-      if (int_of(cards, 'Ileng') /= 0) call report(deck, cards, 'Ileng', SEV_ERROR, 'KJ-9223', &
-         'springs with laws per unit of length are not supported', 'expected: 0', findings, &
-         hint='give mass, stiffness and damping of the spring as it is')
-      call read_law(deck, cards, 1, '', draft, p, findings)
-   end subroutine read_spring4
-
-   !> Spring with six laws in the axes of a skew
-   subroutine read_spring8(deck, cards, draft, p, findings)
-      type(deck_t), intent(in) :: deck
       type(cards_t), intent(in) :: cards
-      type(draft_t), intent(inout) :: draft
-      type(property_t), intent(inout) :: p
-      type(finding_list_t), intent(inout) :: findings
+      integer, intent(in) :: keyword             !! KW_SPRING4 or KW_SPRING8
+      type(property_t), intent(out) :: p
 
       integer :: dof
 
-      p%kind = SPRING8
-      p%frame = FRAME_FIXED
+      p%id = draft%deck%block(cards%block)%id
+      p%row = ROW_FREE
       p%mass = real_of(cards, 'Mass')
-      if (p%mass < 0.0_wp) call report(deck, cards, 'Mass', SEV_ERROR, 'KJ-0229', &
-         'the mass of the spring is negative', 'expected: 0 or more', findings)
-      p%inertia = real_of(cards, 'Inertia')
-      if (p%inertia <= 1.0e-20_wp) then
-         call report(deck, cards, 'Inertia', SEV_WARNING, 'KJ-0445', &
-            'the spring has no inertia: 1e-20 is taken', 'expected: a small inertia', findings)
-         p%inertia = 1.0e-20_wp
+      if (keyword == KW_SPRING4) then
+         p%kind = SPRING4
+         p%frame = FRAME_LINE
+         if (.not. p%mass > 1.0e-15_wp) call report(draft%deck, cards, 'Mass', SEV_ERROR, &
+            'KJ-0229', 'the spring has no mass', 'expected: more than 1e-15')
+      else
+         p%kind = SPRING8
+         p%frame = FRAME_FIXED
+         if (p%mass < 0.0_wp) call report(draft%deck, cards, 'Mass', SEV_ERROR, 'KJ-0229', &
+            'the mass of the spring is negative', 'expected: 0 or more')
+         p%inertia = real_of(cards, 'Inertia')
+         if (p%inertia <= 1.0e-20_wp) then
+            call report(draft%deck, cards, 'Inertia', SEV_WARNING, 'KJ-0445', &
+               'the spring has no inertia: 1e-20 is taken', 'expected: a small inertia')
+            p%inertia = 1.0e-20_wp
+         end if
+         p%skew(1) = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
+         p%balanced = int_of(cards, 'Iequil') == 1
       end if
-      p%skew(1) = reference(deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137', findings)
-      p%balanced = int_of(cards, 'Iequil') == 1
-      call refuse_sensor(deck, cards, findings)
-      if (int_of(cards, 'Fsmooth') /= 0) call report(deck, cards, 'Fsmooth', SEV_ERROR, &
-         'KJ-9226', 'springs with filtered rates are not supported', 'expected: 0', findings)
-      do dof = 1, NDOF
-         call read_law(deck, cards, dof, '_'//DOF_NAME(dof), draft, p, findings)
-      end do
-   end subroutine read_spring8
-
-   subroutine refuse_sensor(deck, cards, findings)
-      type(deck_t), intent(in) :: deck
-      type(cards_t), intent(in) :: cards
-      type(finding_list_t), intent(inout) :: findings
-
       if (int_of(cards, 'sens_id') /= 0) then
-         call report(deck, cards, 'sens_id', SEV_ERROR, 'KJ-9220', &
-            'springs that a sensor switches are not supported', 'expected: 0', findings)
+         call report(draft%deck, cards, 'sens_id', SEV_ERROR, 'KJ-9220', &
+            'springs that a sensor switches are not supported', 'expected: 0')
       else if (int_of(cards, 'Isflag') /= 0) then
-         call report(deck, cards, 'Isflag', SEV_WARNING, 'KJ-9225', &
-            'Isflag has no effect without a sensor', 'sens_id is 0', findings)
+         call report(draft%deck, cards, 'Isflag', SEV_WARNING, 'KJ-9225', &
+            'Isflag has no effect without a sensor', 'sens_id is 0')
       end if
-   end subroutine refuse_sensor
+      if (int_of(cards, 'Ileng') /= 0) call report(draft%deck, cards, 'Ileng', SEV_ERROR, &
+         'KJ-9223', 'springs with laws per unit of length are not supported', 'expected: 0', &
+         hint='give mass, stiffness and damping of the spring as it is')
+      if (int_of(cards, 'Fsmooth') /= 0) call report(draft%deck, cards, 'Fsmooth', SEV_ERROR, &
+         'KJ-9226', 'springs with filtered rates are not supported', 'expected: 0')
+      if (keyword == KW_SPRING4) call read_law(draft, cards, 1, '', p)
+      do dof = 1, merge(0, NDOF, keyword == KW_SPRING4)
+         call read_law(draft, cards, dof, '_'//DOF_NAME(dof), p)
+      end do
+   end subroutine read_spring
 
    !> Law of one direction; its fields end in `suffix`
-   subroutine read_law(deck, cards, dof, suffix, draft, p, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine read_law(draft, cards, dof, suffix, p)
       type(cards_t), intent(in) :: cards
       integer, intent(in) :: dof
       character(len=*), intent(in) :: suffix
       type(draft_t), intent(inout) :: draft
       type(property_t), intent(inout) :: p
-      type(finding_list_t), intent(inout) :: findings
 
       real(wp) :: factor(size(dimensions)), unit(3)
 
-      factor = block_factors(deck, cards%block)
+      factor = block_factors(draft%deck, cards%block)
       unit = factor([D_LENGTH, D_VELOCITY, D_FORCE])
       if (dof > 3) unit = factor([D_NUMBER, D_ANGULAR_VELOCITY, D_MOMENT])
       p%k(dof) = real_of(cards, 'K'//suffix)
       p%c(dof) = real_of(cards, 'C'//suffix)
-      p%k_curve(dof) = reference(deck, cards, 'fct1'//suffix, draft%curve, 'function', 'KJ-0127', &
-         findings)
-      p%c_curve(dof) = reference(deck, cards, 'fct4'//suffix, draft%curve, 'function', 'KJ-0127', &
-         findings)
-      call check_rule(deck, cards, suffix, findings)
-      call check_options(deck, cards, suffix, draft, findings)
+      p%k_curve(dof) = reference(draft%deck, cards, 'fct1'//suffix, draft%curve, 'function', &
+         'KJ-0127')
+      p%c_curve(dof) = reference(draft%deck, cards, 'fct4'//suffix, draft%curve, 'function', &
+         'KJ-0127')
+      call check_rule(draft%deck, cards, suffix)
+      call check_options(draft, cards, suffix)
       if (p%k_curve(dof) > 0) then
          p%k(dof) = or_unit('A', unit(3))
          call convert_abscissae(draft, or_unit('Ascale', unit(1)), p%k_curve(dof))
@@ -176,9 +150,8 @@ contains
          scale = real_of(cards, name//suffix)
          if (abs(scale) <= 0.0_wp) scale = one
          if (scale > 0.0_wp .or. name == 'A' .or. name == 'Hscale') return
-         call report(deck, cards, name//suffix, SEV_ERROR, 'KJ-9230', &
-            'the scale of the abscissa of a function is negative', 'expected: a positive number', &
-            findings)
+         call report(draft%deck, cards, name//suffix, SEV_ERROR, 'KJ-9230', &
+            'the scale of the abscissa of a function is negative', 'expected: a positive number')
          scale = one
       end function or_unit
    end subroutine read_law
@@ -209,11 +182,10 @@ contains
    end subroutine join_dampers
 
    !> The hardening rule H: what Radioss refuses, then what is not supported here
-   subroutine check_rule(deck, cards, suffix, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine check_rule(deck, cards, suffix)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: suffix
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: rule
       logical :: load, unload
@@ -224,32 +196,30 @@ contains
       unload = int_of(cards, 'fct3'//suffix) /= 0
       if (rule == 4 .and. abs(real_of(cards, 'K'//suffix)) <= 0.0_wp) call report(deck, cards, &
          'K'//suffix, SEV_ERROR, 'KJ-0230', 'H = 4 needs a stiffness', &
-         'expected: a positive stiffness', findings)
+         'expected: a positive stiffness')
       if (any(rule == [4, 5, 8]) .and. .not. load) then
          call report(deck, cards, 'fct1'//suffix, SEV_ERROR, 'KJ-0231', 'H = '//str(rule)// &
-            ' needs a function', 'expected: id of a function', findings)
+            ' needs a function', 'expected: id of a function')
       else if (rule == 6 .and. .not. (load .and. unload)) then
          call report(deck, cards, 'fct3'//suffix, SEV_ERROR, 'KJ-1057', &
-            'H = 6 needs functions of loading and unloading', 'expected: fct1 and fct3', findings)
+            'H = 6 needs functions of loading and unloading', 'expected: fct1 and fct3')
       else if (rule == 7 .and. .not. load) then
          call report(deck, cards, 'fct1'//suffix, SEV_ERROR, 'KJ-1058', &
-            'H = 7 needs a function of loading', 'expected: id of a function', findings)
+            'H = 7 needs a function of loading', 'expected: id of a function')
       else if (.not. load .and. rule > 0 .and. rule <= 2) then
          call report(deck, cards, 'H'//suffix, SEV_WARNING, 'KJ-9225', &
-            'the hardening rule has no effect without fct1', 'fct1 is 0', findings)
+            'the hardening rule has no effect without fct1', 'fct1 is 0')
       else
          call report(deck, cards, 'H'//suffix, SEV_ERROR, 'KJ-9222', 'springs with H = '// &
-            str(rule)//' are not supported', 'expected: 0, elastic', findings)
+            str(rule)//' are not supported', 'expected: 0, elastic')
       end if
    end subroutine check_rule
 
    !> Options that are not supported, and those without effect
-   subroutine check_options(deck, cards, suffix, draft, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine check_options(draft, cards, suffix)
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: suffix
-      type(draft_t), intent(in) :: draft
-      type(finding_list_t), intent(inout) :: findings
+      type(draft_t), intent(inout) :: draft
 
       character(len=9), parameter :: LIMIT(2) = ['delta_min', 'delta_max']
       integer :: i, place
@@ -257,16 +227,16 @@ contains
 
       do i = 1, 2
          associate (value => abs(real_of(cards, LIMIT(i)//suffix)))
-            if (value > 0.0_wp .and. value < NO_FAILURE) call report(deck, cards, &
+            if (value > 0.0_wp .and. value < NO_FAILURE) call report(draft%deck, cards, &
                LIMIT(i)//suffix, SEV_ERROR, 'KJ-9221', 'springs that fail are not supported', &
-               'expected: 0', findings)
+               'expected: 0')
          end associate
       end do
       load = int_of(cards, 'fct1'//suffix) /= 0
-      if (is_set('A') .and. .not. load) call report(deck, cards, 'A'//suffix, SEV_WARNING, &
-         'KJ-0663', 'A has no effect without a function', 'fct1 is 0', findings)
-      place = reference(deck, cards, 'fct2'//suffix, draft%curve, 'function', 'KJ-0127', findings)
-      place = reference(deck, cards, 'fct3'//suffix, draft%curve, 'function', 'KJ-0127', findings)
+      if (is_set('A') .and. .not. load) call report(draft%deck, cards, 'A'//suffix, SEV_WARNING, &
+         'KJ-0663', 'A has no effect without a function', 'fct1 is 0')
+      place = reference(draft%deck, cards, 'fct2'//suffix, draft%curve, 'function', 'KJ-0127')
+      place = reference(draft%deck, cards, 'fct3'//suffix, draft%curve, 'function', 'KJ-0127')
       if (load .and. is_set('B')) call refuse_rate('B')
       if (load .and. int_of(cards, 'fct2'//suffix) /= 0) call refuse_rate('fct2')
       if (.not. load .and. is_set('B')) call warn('B', 'fct1 is 0')
@@ -285,16 +255,16 @@ contains
       subroutine refuse_rate(name)
          character(len=*), intent(in) :: name
 
-         call report(deck, cards, name//suffix, SEV_ERROR, 'KJ-9224', &
+         call report(draft%deck, cards, name//suffix, SEV_ERROR, 'KJ-9224', &
             'an elastic force that depends on the rate is not supported', 'expected: 0', &
-            findings, hint='damping of its own is C, or Hscale with fct4')
+            hint='damping of its own is C, or Hscale with fct4')
       end subroutine refuse_rate
 
       subroutine warn(name, label)
          character(len=*), intent(in) :: name, label
 
-         call report(deck, cards, name//suffix, SEV_WARNING, 'KJ-9225', name// &
-            ' of the spring has no effect', label, findings)
+         call report(draft%deck, cards, name//suffix, SEV_WARNING, 'KJ-9225', name// &
+            ' of the spring has no effect', label)
       end subroutine warn
    end subroutine check_options
 

@@ -3,7 +3,7 @@
 module kj_cut_model
    use kj_joint_batch, only: joint_batch_t, limits_t
    use kj_lead_map, only: build_lead_map
-   use kj_model, only: model_t, load_t, skew_set_t
+   use kj_model, only: model_t, load_t
    use kj_islands, only: element_leads
    implicit none
    private

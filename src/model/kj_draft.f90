@@ -1,19 +1,21 @@
 !> What the builder knows of a deck before nodes are numbered: entities in deck order, and the
-!> lookups from user ids to them.
+!> lookups from user ids to them; properties and joints on their way from cards into batches.
 module kj_draft
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t, str, SEV_ERROR
+   use kj_error, only: str, SEV_ERROR
    use kj_sort, only: lookup_t, new_lookup, find
    use kj_keywords, only: keywords, OUT_OF_SCOPE
-   use kj_deck_text, only: deck_t, line_text, place_of
-   use kj_cards, only: cards_t, rows_t, int_of, report, report_header
+   use kj_deck_text, only: deck_t, line_text, place_of, report_header
+   use kj_cards, only: cards_t, card_row_t, int_of, report
    use kj_curve, only: curve_set_t
    use kj_model, only: skew_set_t
+   use kj_joint_types, only: NDOF
+   use kj_joint_batch, only: KJOINT
    implicit none
    private
 
-   public :: draft_t, sensor_t, group_t, elements_t, blocks_of, block_lookup, reference, &
-      group_nodes, report_double_blocks, known_ids
+   public :: draft_t, sensor_t, group_t, elements_t, property_t, joint_t, blocks_of, &
+      find_blocks, reference, node_of, group_nodes, report_double_blocks, known_ids
 
    !> A set of nodes
    type :: group_t
@@ -29,16 +31,61 @@ module kj_draft
    !> The elements of all /SPRING blocks, in deck order
    type :: elements_t
       integer :: n = 0
-      integer, allocatable :: block(:)           !! (blocks) of the deck
-      type(rows_t), allocatable :: rows(:)       !! (blocks) their cards
+      type(card_row_t), allocatable :: card(:)   !! (n)
       integer, allocatable :: part(:)            !! (n) place of the part, 0 = not defined
       integer, allocatable :: node(:, :)         !! (2, n) raw node indices, 0 = not defined
       type(lookup_t) :: id                       !! of the elements
       type(lookup_t) :: of_part                  !! elements by the place of their part
    end type elements_t
 
-   !> Everything in deck order; node indices are "raw": places in the deck
+   !> A /PROP/KJOINT or /PROP/KJOINT2, checked; in work units
+   type :: property_t
+      integer :: id = 0
+      integer :: kind = KJOINT                  !! KJOINT, KJOINT2, SPRING4 or SPRING8
+      integer :: row = 0                        !! row of kj_joint_types, 0 = not usable
+      integer :: frame = 0                      !! FRAME_ constant
+      integer :: skew(2) = 0                    !! skew indices
+      real(wp) :: kn = 0.0_wp, cr = 0.0_wp
+      real(wp) :: cr_stop = 0.0_wp              !! Cr as typed: its default is not for stops
+      real(wp) :: k(NDOF) = 0.0_wp, c(NDOF) = 0.0_wp      !! of the free dofs
+      integer :: k_curve(NDOF) = 0, c_curve(NDOF) = 0
+      ! KJOINT2 only
+      real(wp) :: scf = 1.0_wp                  !! scale of the blocked rotations
+      logical :: automatic = .false.            !! Kn comes from the first step
+      real(wp) :: lo(NDOF) = 0.0_wp, hi(NDOF) = 0.0_wp    !! stops, 0 = none
+      integer :: combined(NDOF) = 0             !! 1 where the stop is shared with other dofs
+      real(wp) :: k_limit(NDOF) = 0.0_wp        !! stiffness of friction and stop
+      real(wp) :: slip(NDOF) = 0.0_wp           !! limit of friction, or scale of its curve
+      integer :: slip_curve(NDOF) = 0
+      real(wp) :: t_lock = huge(1.0_wp), t_free = huge(1.0_wp)
+      logical :: limited = .false.              !! has stops, friction, a lock or automatic
+                                                !! stiffness
+      ! springs only
+      real(wp) :: mass = 0.0_wp, inertia = 0.0_wp
+      logical :: balanced = .false.             !! asks for the couple of the force (Iequil)
+   end type property_t
+
+   !> A spring element on its way into a batch
+   type :: joint_t
+      type(card_row_t) :: card                  !! of /SPRING
+      integer :: property = 0                   !! place in the list of properties
+      integer :: node(2) = 0                    !! model indices
+      integer :: skew(2) = 0
+      real(wp) :: frame(3, 3) = 0.0_wp          !! at the start, columns, W
+      real(wp) :: angle(3) = 0.0_wp             !! rotation at the start, J [rad]
+      real(wp) :: xl0(3) = 0.0_wp, reduced(2) = 0.0_wp
+      real(wp) :: k(NDOF) = 0.0_wp, c(NDOF) = 0.0_wp
+      real(wp) :: k_block(2) = 0.0_wp           !! of the blocked translations and rotations
+      integer :: law(NDOF) = 0
+      ! springs only
+      integer :: rule = 0                       !! FRAME_ constant, 0 = that of the property
+      !> largest stiffness of translations and rotations, largest damping of both
+      real(wp) :: top(4) = 0.0_wp
+   end type joint_t
+
+   !> A deck and everything in it, in its order; node indices are "raw": places in the deck
    type :: draft_t
+      type(deck_t) :: deck                       !! as it was read; takes the findings
       logical :: legacy = .false.                !! unit factors as OpenRadioss has them
       integer :: n_node = 0
       integer, allocatable :: id(:)
@@ -60,6 +107,7 @@ module kj_draft
       type(sensor_t), allocatable :: sensors(:)
       type(elements_t) :: elements
       integer, allocatable :: part_block(:), body_block(:)
+      type(property_t), allocatable :: properties(:)
       integer, allocatable :: property_block(:)  !! KJOINT, KJOINT2, then springs of types 4 and 8
       integer, allocatable :: part_property(:)   !! place in property_block, 0 = none
    end type draft_t
@@ -89,45 +137,53 @@ contains
       list = pack([(i, i=1, deck%n_block)], deck%block(:deck%n_block)%keyword == keyword)
    end function blocks_of
 
-   !> Lookup from the header ids of blocks to their place in the list
-   pure subroutine block_lookup(deck, list, lookup)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: list(:)
+   !> Blocks of a family, keyword by keyword, and the lookup from their ids to their places; an id
+   !> that stands twice is reported
+   subroutine find_blocks(deck, keyword, what, list, lookup)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: keyword(:)          !! KW_ constants
+      character(len=*), intent(in) :: what       !! the family: "skew"
+      integer, allocatable, intent(out) :: list(:)
       type(lookup_t), intent(out) :: lookup
 
+      integer :: k
+
+      allocate (list(0))
+      do k = 1, size(keyword)
+         list = [list, blocks_of(deck, keyword(k))]
+      end do
       call new_lookup(deck%block(list)%id, lookup)
-   end subroutine block_lookup
+      call report_double_blocks(deck, list, what)
+   end subroutine find_blocks
 
    !> Two blocks of one family with the same id: every one but the first is reported
-   subroutine report_double_blocks(deck, blocks, what, findings)
-      type(deck_t), intent(in) :: deck
+   subroutine report_double_blocks(deck, blocks, what)
+      type(deck_t), intent(inout) :: deck
       integer, intent(in) :: blocks(:)
       character(len=*), intent(in) :: what
-      type(finding_list_t), intent(inout) :: findings
 
       type(lookup_t) :: lookup
       character(len=:), allocatable :: file
       integer :: i, number
 
-      call block_lookup(deck, blocks, lookup)
+      call new_lookup(deck%block(blocks)%id, lookup)
       do i = 2, size(blocks)
          if (lookup%id(i) /= lookup%id(i - 1)) cycle
          call place_of(deck, deck%block(blocks(lookup%place(i - 1)))%header, file, number)
-         call report_header(deck, blocks(lookup%place(i)), SEV_ERROR, 'KJ-0079', &
-            what//' '//str(lookup%id(i))//' is defined twice', 'used before', findings, &
-            hint='before: '//file//':'//str(number))
+         call report_header(deck, blocks(lookup%place(i)), SEV_ERROR, 'KJ-0079', what// &
+            ' '//str(lookup%id(i))//' is defined twice', 'used before', hint='before: '//file// &
+            ':'//str(number))
       end do
    end subroutine report_double_blocks
 
    !> Place of the entity that a field names; 0 when the field is 0 or names nothing (then reported)
-   integer function reference(deck, cards, name, lookup, what, id, findings) result(place)
-      type(deck_t), intent(in) :: deck
+   integer function reference(deck, cards, name, lookup, what, id) result(place)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: name       !! of the field
       type(lookup_t), intent(in) :: lookup
       character(len=*), intent(in) :: what       !! "skew", "function", ...
       character(len=*), intent(in) :: id         !! message id
-      type(finding_list_t), intent(inout) :: findings
 
       integer :: block
 
@@ -139,12 +195,23 @@ contains
       if (block > 0) then
          call report(deck, cards, name, SEV_ERROR, 'KJ-9139', what//' '// &
             str(int_of(cards, name))//' is of a kind that is not supported', &
-            'defined by '//line_text(deck, deck%block(block)%header), findings)
+            'defined by '//line_text(deck, deck%block(block)%header))
       else
          call report(deck, cards, name, SEV_ERROR, id, what//' '//str(int_of(cards, name))// &
-            ' is not defined', 'no such '//what, findings, hint=known_ids(lookup, what))
+            ' is not defined', 'no such '//what, hint=known_ids(lookup, what))
       end if
    end function reference
+
+   !> Raw index of the node that a field names; 0 when there is none (then reported)
+   integer function node_of(draft, cards, name) result(raw)
+      type(draft_t), intent(inout) :: draft
+      type(cards_t), intent(in) :: cards
+      character(len=*), intent(in) :: name       !! of the field
+
+      raw = find(draft%node, int_of(cards, name))
+      if (raw == 0) call report(draft%deck, cards, name, SEV_ERROR, 'KJ-0078', 'node '// &
+         str(int_of(cards, name))//' is not defined', 'no such node')
+   end function node_of
 
    !> Block out of scope that defines an entity; 0 when there is none
    pure integer function unsupported(deck, what, id) result(block)
@@ -187,23 +254,21 @@ contains
    !> Raw indices of the nodes of the group that a field names.
    !>
    !> A field 0 or blank names none; where `needed`, that is an error.
-   subroutine group_nodes(draft, deck, cards, name, id, needed, findings, nodes)
-      type(draft_t), intent(in) :: draft
-      type(deck_t), intent(in) :: deck
+   subroutine group_nodes(draft, cards, name, id, needed, nodes)
+      type(draft_t), intent(inout) :: draft
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: name, id   !! field and message id
       logical, intent(in) :: needed
-      type(finding_list_t), intent(inout) :: findings
       integer, allocatable, intent(out) :: nodes(:)
 
       integer :: place
 
       allocate (nodes(0))
-      place = reference(deck, cards, name, draft%group, 'node group', id, findings)
+      place = reference(draft%deck, cards, name, draft%group, 'node group', id)
       if (place > 0) nodes = draft%groups(place)%node
-      if (int_of(cards, name) == 0 .and. needed) call report(deck, cards, name, SEV_ERROR, id, &
-         'no node group is named', 'expected: id of a node group', findings, &
-         hint=known_ids(draft%group, 'node group'))
+      if (int_of(cards, name) == 0 .and. needed) call report(draft%deck, cards, name, SEV_ERROR, &
+         id, 'no node group is named', 'expected: id of a node group', hint=known_ids(draft%group, &
+         'node group'))
    end subroutine group_nodes
 
 end module kj_draft

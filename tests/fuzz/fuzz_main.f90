@@ -9,7 +9,8 @@ program fuzz_main
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t
    use kj_system, only: wall_clock
-   use kj_deck, only: deck_t, source_t, read_deck
+   use kj_deck, only: read_deck
+   use kj_deck_text, only: source_t
    use kj_engine, only: engine_t, read_engine
    use kj_model, only: model_t
    use kj_build, only: build_model
@@ -20,6 +21,7 @@ program fuzz_main
    use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound
    use kj_consistent_nodal_step, only: nodal_bound
    use fuzz_text, only: random_t, seed_random, below, mutate, load_text, save_text
+   use kj_draft, only: draft_t
    implicit none
 
    integer, parameter :: CYCLES = 20
@@ -89,7 +91,7 @@ contains
       integer, intent(in) :: seed
 
       type(random_t) :: random
-      type(deck_t) :: deck
+      type(draft_t) :: draft
       type(engine_t) :: engine
       type(source_t) :: source
       type(model_t) :: model
@@ -110,12 +112,13 @@ contains
       end do
       call save_text('fuzz_0000.rad', starter)
       call save_text('fuzz_0001.rad', controls)
-      call read_deck('fuzz_0000.rad', deck, findings, below(random, 4) == 1)
-      call read_engine('fuzz_0001.rad', engine, source, findings)
-      if (findings%n_error == 0) read_well = read_well + 1
-      if (deck%readable) call build_model(deck, engine, model, findings, below(random, 2) == 1)
+      call read_deck('fuzz_0000.rad', draft%deck, below(random, 4) == 1)
+      call read_engine('fuzz_0001.rad', engine, source, draft%deck%findings)
+      if (draft%deck%findings%n_error == 0) read_well = read_well + 1
+      if (draft%deck%readable) call build_model(draft, engine, model, below(random, 2) == 1)
+      findings = draft%deck%findings
       if (findings%n > 0) with_findings = with_findings + 1
-      if (.not. deck%readable .or. findings%n_error > 0) return
+      if (.not. draft%deck%readable .or. findings%n_error > 0) return
       built = built + 1
       call run_some_cycles(model)
       call find_limits(model)
