@@ -115,7 +115,7 @@ contains
 end module host_bodies
 
 program rigid_host
-   use kjoint, only: wp, error_t, finding_list_t, run_options_t, simulation_t, history_t, &
+   use kjoint, only: wp, error_t, finding_list_t, run_options_t, simulation_t, history_t, OF_BODY, &
       body_state_t, load_simulation, start_simulation, step_simulation, body_state, joint_state, &
       node_position, simulation_bodies, simulation_joints, simulation_history, simulation_status, &
       run_status_t, joint_set_t, joint_result_t, joint_spec_t, new_joint_set, take_joints, &
@@ -200,9 +200,9 @@ contains
       host%n = size(NODES)
       host%carrier = [1, 2, 1, 1, 1, 2, 2, 2]
       host%held = [.true., .false.]
-      host%mass = history%body_mass
-      host%inertia = history%body_inertia
-      host%axes = reshape(history%body_axes, [9, 2])
+      host%mass = history%entity(OF_BODY)%mass
+      host%inertia = history%entity(OF_BODY)%inertia
+      host%axes = reshape(history%entity(OF_BODY)%axes, [9, 2])
       allocate (host%x(3, host%n), host%v(3, host%n), host%w(3, host%n), host%f(3, host%n), &
          host%m(3, host%n), host%a(3, 2), host%al(3, 2), source=0.0_wp)
       do i = 1, host%n

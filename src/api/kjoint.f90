@@ -14,6 +14,7 @@ module kjoint
       SEV_NOTE, SEV_WARNING, SEV_ERROR
    use kj_version, only: KJOINT_VERSION
    use kj_consistent_state, only: consistent_model_t
+   use kj_channels, only: OF_JOINT, OF_BODY, OF_NODE, OF_SPRING
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_sink, only: sink_t
@@ -33,6 +34,7 @@ module kjoint
    private
 
    public :: wp, error_t, finding_list_t, sink_t, history_t, KJOINT_VERSION
+   public :: OF_JOINT, OF_BODY, OF_NODE, OF_SPRING    ! indices of history_t%entity
    public :: ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, SEV_ERROR
    public :: run_options_t, run_options, set_run_option, find_run_option, read_run_options, &
       write_run_options

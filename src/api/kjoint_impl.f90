@@ -12,6 +12,7 @@ submodule (kjoint) kjoint_impl
    use kj_model, only: model_t
    use kj_sample, only: new_sampler
    use kj_scheme, only: choose_scheme, check_scene
+   use kj_history, only: entity_t
    implicit none
 
 contains
@@ -37,7 +38,8 @@ contains
          call read_engine(path, controls, engine_source, draft%deck%findings, &
             options%ignore_unsupported)
       end if
-      if (draft%deck%readable) call build_model(draft, controls, sim%model%model_t, sim%legacy)
+      if (draft%deck%readable) call build_model(draft, controls, sim%model%model_t, &
+         sim%scheme%legacy)
       findings = draft%deck%findings
       if (findings%n_error > 0) return
       associate (c => sim%model%control)
@@ -80,8 +82,7 @@ contains
             held(m%bcs(i)%lead) = all(m%bcs(i)%fixed)
          end do
          do i = m%n_lead + 1, m%n_node
-            if (.not. held(m%lead(i))) &
-               reach = max(reach, norm2(m%x0(i, :) - m%x0(m%lead(i), :)))
+            if (.not. held(m%lead(i))) reach = max(reach, norm2(m%x0(i, :) - m%x0(m%lead(i), :)))
          end do
       end associate
    end procedure simulation_reach
@@ -102,58 +103,45 @@ contains
          h%units = m%units
          if (m%control%sample > 0.0_wp) &
             h%n_expected = nint(min(1.0e6_wp, m%control%t_stop/m%control%sample)) + 2
-         n = size(m%th_joint)
-         h%joint_id = m%joint(m%th_joint)%id
-         h%joint_type = joint_types(m%joint(m%th_joint)%row)%id
-         h%joint_property = m%joint(m%th_joint)%property
-         allocate (h%joint_node(2, n), h%joint_body(2, n), h%joint_label(n))
-         do i = 1, n
-            h%joint_node(:, i) = m%node_id(m%joint(m%th_joint(i))%node)
-            h%joint_body(:, i) = body_ids(m, m%joint(m%th_joint(i))%node)
-            h%joint_label(i)%s = m%joint_name(m%th_joint(i))%s
-         end do
+         call describe_elements(m, m%th_joint, h%entity(OF_JOINT))
+         h%entity(OF_JOINT)%type = joint_types(m%joint(m%th_joint)%row)%id
+         call describe_elements(m, m%th_spring, h%entity(OF_SPRING))
+         h%entity(OF_SPRING)%type = m%batch(m%joint(m%th_spring)%batch)%kind
          n = size(m%th_body)
-         h%body_id = m%body_id(m%th_body)
-         h%body_main_node = m%node_id(m%th_body)
-         h%body_mass = m%mass(m%th_body)
-         h%body_inertia = transpose(m%principal(m%th_body, :))
-         allocate (h%body_axes(3, 3, n), h%body_label(n))
-         do i = 1, n
-            h%body_axes(:, :, i) = reshape(m%axes(m%th_body(i), :), [3, 3])
-            h%body_label(i)%s = m%body_name(m%th_body(i))%s
-         end do
-         n = size(m%th_node)
-         h%node_id = m%node_id(m%th_node)
-         allocate (h%node_label(n))
-         do i = 1, n
-            h%node_label(i)%s = m%th_node_name(i)%s
-         end do
+         associate (e => h%entity(OF_BODY))
+            e%id = m%body_id(m%th_body)
+            e%label = m%body_name(m%th_body)
+            e%main_node = m%node_id(m%th_body)
+            e%mass = m%mass(m%th_body)
+            e%inertia = transpose(m%principal(m%th_body, :))
+            allocate (e%axes(3, 3, n))
+            do i = 1, n
+               e%axes(:, :, i) = reshape(m%axes(m%th_body(i), :), [3, 3])
+            end do
+         end associate
+         h%entity(OF_NODE)%id = m%node_id(m%th_node)
+         h%entity(OF_NODE)%label = m%th_node_name
       end associate
-      call describe_springs(sim%model%model_t, sim%history)
       call new_sampler(sim%model%model_t, sim%history, sim%sampler)
    end subroutine describe
 
-   !> What the history says of its springs
-   subroutine describe_springs(model, history)
+   !> What the history says of joints or springs
+   subroutine describe_elements(model, th, entity)
       type(model_t), intent(in) :: model
-      type(history_t), intent(inout) :: history
+      integer, intent(in) :: th(:)               !! indices into model%joint
+      type(entity_t), intent(inout) :: entity
 
-      integer :: i, n
+      integer :: i
 
-      n = size(model%th_spring)
-      if (n == 0) return
-      associate (ref => model%joint(model%th_spring))
-         history%spring_id = ref%id
-         history%spring_type = model%batch(ref%batch)%kind
-         history%spring_property = ref%property
-         allocate (history%spring_node(2, n), history%spring_body(2, n), history%spring_label(n))
-         do i = 1, n
-            history%spring_node(:, i) = model%node_id(ref(i)%node)
-            history%spring_body(:, i) = body_ids(model, ref(i)%node)
-            history%spring_label(i)%s = model%joint_name(model%th_spring(i))%s
-         end do
-      end associate
-   end subroutine describe_springs
+      entity%id = model%joint(th)%id
+      entity%label = model%joint_name(th)
+      entity%property = model%joint(th)%property
+      allocate (entity%node(2, size(th)), entity%body(2, size(th)))
+      do i = 1, size(th)
+         entity%node(:, i) = model%node_id(model%joint(th(i))%node)
+         entity%body(:, i) = body_ids(model, model%joint(th(i))%node)
+      end do
+   end subroutine describe_elements
 
    !> User ids of the bodies that carry two nodes, 0 for a free node
    pure function body_ids(model, node) result(ids)

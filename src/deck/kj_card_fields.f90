@@ -1,5 +1,6 @@
 !> THE table of fields of all cards: where each stands, what it is called and what it means. The
 !> reader, `kjoint list keywords` and the manual are all driven by it.
+!> One file: every card is a row of one table, which tests walk as a whole.
 module kj_card_fields
    use kj_units, only: D_DAMPING, D_FORCE, D_INERTIA, D_LENGTH, D_MASS, D_NUMBER, D_ROT_DAMPING, &
       D_ROT_STIFFNESS, D_STIFFNESS, D_VELOCITY, D_ACCELERATION, D_ANGULAR_VELOCITY, D_TIME, D_MOMENT

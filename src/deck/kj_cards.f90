@@ -3,6 +3,7 @@
 !>
 !> A clean row takes the fast path: each field is parsed where it stands in the file. All other
 !> lines (commas, tabs, wrong numbers, text beyond the fields) are cut and judged with care.
+!> One file: cards that stand once and cards that repeat share cutting, judging and places.
 module kj_cards
    use kj_kinds, only: wp
    use kj_error, only: SEV_WARNING

@@ -2,6 +2,7 @@
 !>
 !> A file is one string, read at once; a line is a pair of places in it: 1e6 lines cost four
 !> integers each.
+!> One file: lines, blocks and findings all point into the same texts.
 module kj_deck_text
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, add_at, SEV_ERROR, error_t, fail, fail_at, add_finding, &
@@ -24,7 +25,7 @@ module kj_deck_text
 
    !> A header and the lines up to the next one
    type :: block_t
-      integer :: keyword = 0                    !! KW_ constant; 0 = not known
+      integer :: keyword = 0                    !! KW_ constant; 0 = its cards are not read
       integer :: row = 0                        !! row of kj_keywords; 0 = not known
       integer :: variant = 0                    !! type in the header (ADMAS)
       integer :: id = 1                         !! first number of the header

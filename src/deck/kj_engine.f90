@@ -10,16 +10,11 @@ module kj_engine
 
    public :: engine_t, read_engine, round10
 
-   integer, parameter :: EN_RUN = 1, EN_TITLE = 2, EN_VERS = 3, EN_TFILE = 4, &
-      EN_PRINT = 5, &
-      EN_DT = 6, EN_DTIX = 7, EN_TH = 8, EN_STOP = 9, EN_END = 10, EN_OTHER = 11
-
    !> What becomes of a keyword
    integer, parameter :: ENGINE_READ = 1, ENGINE_NOTE = 2, ENGINE_OUT = 3
 
    !> A row of the table
    type :: engine_word_t
-      integer           :: id          !! EN_ constant
       character(len=5)  :: name        !! first word of the header
       integer           :: status      !! ENGINE_ constant
       logical           :: once        !! of two of them the first holds
@@ -29,55 +24,55 @@ module kj_engine
    logical, parameter :: T = .true., F = .false.
 
    type(engine_word_t), parameter :: engine_words(*) = [ &
-      engine_word_t(EN_RUN,   'RUN',   ENGINE_READ, T, 'run number and end of the run'), &
-      engine_word_t(EN_TITLE, 'TITLE', ENGINE_READ, T, 'title, not used'), &
-      engine_word_t(EN_VERS,  'VERS',  ENGINE_READ, T, 'version of the deck'), &
-      engine_word_t(EN_TFILE, 'TFILE', ENGINE_READ, T, 'interval of the histories'), &
-      engine_word_t(EN_PRINT, 'PRINT', ENGINE_READ, T, 'cycles between two lines of the listing'), &
-      engine_word_t(EN_DT,    'DT',    ENGINE_READ, F, 'factor and least value of the time step'), &
-      engine_word_t(EN_DTIX,  'DTIX',  ENGINE_READ, T, 'first and largest time step'), &
-      engine_word_t(EN_TH,    'TH',    ENGINE_NOTE, F, 'form of the T01 file: none is written'), &
-      engine_word_t(EN_STOP,  'STOP',  ENGINE_READ, T, 'limits of energy and mass errors'), &
-      engine_word_t(EN_STOP,  'KILL',  ENGINE_READ, T, 'limits of energy and mass errors'), &
-      engine_word_t(EN_END,   'END',   ENGINE_READ, F, 'end of the deck'), &
-      engine_word_t(EN_OTHER, 'RFILE', ENGINE_NOTE, F, 'restart files of other solvers'), &
-      engine_word_t(EN_OTHER, 'ATFIL', ENGINE_NOTE, F, 'history in a file A: not written'), &
-      engine_word_t(EN_OTHER, 'BTFIL', ENGINE_NOTE, F, 'history in a file B: not written'), &
-      engine_word_t(EN_OTHER, 'CTFIL', ENGINE_NOTE, F, 'history in a file C: not written'), &
-      engine_word_t(EN_OTHER, 'DTFIL', ENGINE_NOTE, F, 'history in a file D: not written'), &
-      engine_word_t(EN_OTHER, 'ETFIL', ENGINE_NOTE, F, 'history in a file E: not written'), &
-      engine_word_t(EN_OTHER, 'FTFIL', ENGINE_NOTE, F, 'history in a file F: not written'), &
-      engine_word_t(EN_OTHER, 'GTFIL', ENGINE_NOTE, F, 'history in a file G: not written'), &
-      engine_word_t(EN_OTHER, 'HTFIL', ENGINE_NOTE, F, 'history in a file H: not written'), &
-      engine_word_t(EN_OTHER, 'ITFIL', ENGINE_NOTE, F, 'history in a file I: not written'), &
-      engine_word_t(EN_OTHER, 'ANIM',  ENGINE_NOTE, F, 'animation files: not written'), &
-      engine_word_t(EN_OTHER, 'H3D',   ENGINE_NOTE, F, 'animation files: not written'), &
-      engine_word_t(EN_OTHER, 'OUTP',  ENGINE_NOTE, F, 'output files: not written'), &
-      engine_word_t(EN_OTHER, 'STATE', ENGINE_NOTE, F, 'state files: not written'), &
-      engine_word_t(EN_OTHER, 'DYNAI', ENGINE_NOTE, F, 'state files: not written'), &
-      engine_word_t(EN_OTHER, 'ABF',   ENGINE_NOTE, F, 'output files: not written'), &
-      engine_word_t(EN_OTHER, 'MON',   ENGINE_NOTE, F, 'timing of other solvers'), &
-      engine_word_t(EN_OTHER, 'PROC',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
-      engine_word_t(EN_OTHER, 'SPMD',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
-      engine_word_t(EN_OTHER, 'PARIT', ENGINE_NOTE, F, 'order of sums; ours never depends on threads'), &
-      engine_word_t(EN_OTHER, 'DEBUG', ENGINE_NOTE, F, 'debugging of other solvers'), &
-      engine_word_t(EN_OTHER, 'PERF',  ENGINE_NOTE, F, 'timing of other solvers'), &
-      engine_word_t(EN_OTHER, 'NEGVO', ENGINE_NOTE, F, 'solid elements'), &
-      engine_word_t(EN_OTHER, 'UPWIN', ENGINE_NOTE, F, 'fluids'), &
-      engine_word_t(EN_OTHER, 'BCS',   ENGINE_OUT,  F, 'conditions that change: write them into the starter deck'), &
-      engine_word_t(EN_OTHER, 'BCSR',  ENGINE_OUT,  F, 'conditions that are released'), &
-      engine_word_t(EN_OTHER, 'DEL',   ENGINE_OUT,  F, 'elements that are deleted: leave them out of the deck'), &
-      engine_word_t(EN_OTHER, 'RBODY', ENGINE_OUT,  F, 'rigid bodies that are switched'), &
-      engine_word_t(EN_OTHER, 'KEREL', ENGINE_OUT,  F, 'kinetic-energy relaxation'), &
-      engine_word_t(EN_OTHER, 'DYREL', ENGINE_OUT,  F, 'dynamic relaxation'), &
-      engine_word_t(EN_OTHER, 'ADYRE', ENGINE_OUT,  F, 'dynamic relaxation'), &
-      engine_word_t(EN_OTHER, 'DAMP',  ENGINE_OUT,  F, 'Rayleigh damping'), &
-      engine_word_t(EN_OTHER, 'INIV',  ENGINE_OUT,  F, 'velocities at a restart: use /INIVEL in the starter deck'), &
-      engine_word_t(EN_OTHER, 'IMPL',  ENGINE_OUT,  F, 'implicit solution'), &
-      engine_word_t(EN_OTHER, 'EIG',   ENGINE_OUT,  F, 'eigenmodes'), &
-      engine_word_t(EN_OTHER, 'THERM', ENGINE_OUT,  F, 'heat'), &
-      engine_word_t(EN_OTHER, 'ALE',   ENGINE_OUT,  F, 'fluids'), &
-      engine_word_t(EN_OTHER, 'INTER', ENGINE_OUT,  F, 'contact')]
+      engine_word_t('RUN',   ENGINE_READ, T, 'run number and end of the run'), &
+      engine_word_t('TITLE', ENGINE_READ, T, 'title, not used'), &
+      engine_word_t('VERS',  ENGINE_READ, T, 'version of the deck'), &
+      engine_word_t('TFILE', ENGINE_READ, T, 'interval of the histories'), &
+      engine_word_t('PRINT', ENGINE_READ, T, 'cycles between two lines of the listing'), &
+      engine_word_t('DT',    ENGINE_READ, F, 'factor and least value of the time step'), &
+      engine_word_t('DTIX',  ENGINE_READ, T, 'first and largest time step'), &
+      engine_word_t('TH',    ENGINE_NOTE, F, 'form of the T01 file: none is written'), &
+      engine_word_t('STOP',  ENGINE_READ, T, 'limits of energy and mass errors'), &
+      engine_word_t('KILL',  ENGINE_READ, T, 'limits of energy and mass errors'), &
+      engine_word_t('END',   ENGINE_READ, F, 'end of the deck'), &
+      engine_word_t('RFILE', ENGINE_NOTE, F, 'restart files of other solvers'), &
+      engine_word_t('ATFIL', ENGINE_NOTE, F, 'history in a file A: not written'), &
+      engine_word_t('BTFIL', ENGINE_NOTE, F, 'history in a file B: not written'), &
+      engine_word_t('CTFIL', ENGINE_NOTE, F, 'history in a file C: not written'), &
+      engine_word_t('DTFIL', ENGINE_NOTE, F, 'history in a file D: not written'), &
+      engine_word_t('ETFIL', ENGINE_NOTE, F, 'history in a file E: not written'), &
+      engine_word_t('FTFIL', ENGINE_NOTE, F, 'history in a file F: not written'), &
+      engine_word_t('GTFIL', ENGINE_NOTE, F, 'history in a file G: not written'), &
+      engine_word_t('HTFIL', ENGINE_NOTE, F, 'history in a file H: not written'), &
+      engine_word_t('ITFIL', ENGINE_NOTE, F, 'history in a file I: not written'), &
+      engine_word_t('ANIM',  ENGINE_NOTE, F, 'animation files: not written'), &
+      engine_word_t('H3D',   ENGINE_NOTE, F, 'animation files: not written'), &
+      engine_word_t('OUTP',  ENGINE_NOTE, F, 'output files: not written'), &
+      engine_word_t('STATE', ENGINE_NOTE, F, 'state files: not written'), &
+      engine_word_t('DYNAI', ENGINE_NOTE, F, 'state files: not written'), &
+      engine_word_t('ABF',   ENGINE_NOTE, F, 'output files: not written'), &
+      engine_word_t('MON',   ENGINE_NOTE, F, 'timing of other solvers'), &
+      engine_word_t('PROC',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
+      engine_word_t('SPMD',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
+      engine_word_t('PARIT', ENGINE_NOTE, F, 'order of sums; ours never depends on threads'), &
+      engine_word_t('DEBUG', ENGINE_NOTE, F, 'debugging of other solvers'), &
+      engine_word_t('PERF',  ENGINE_NOTE, F, 'timing of other solvers'), &
+      engine_word_t('NEGVO', ENGINE_NOTE, F, 'solid elements'), &
+      engine_word_t('UPWIN', ENGINE_NOTE, F, 'fluids'), &
+      engine_word_t('BCS',   ENGINE_OUT,  F, 'conditions that change: write them into the starter deck'), &
+      engine_word_t('BCSR',  ENGINE_OUT,  F, 'conditions that are released'), &
+      engine_word_t('DEL',   ENGINE_OUT,  F, 'elements that are deleted: leave them out of the deck'), &
+      engine_word_t('RBODY', ENGINE_OUT,  F, 'rigid bodies that are switched'), &
+      engine_word_t('KEREL', ENGINE_OUT,  F, 'kinetic-energy relaxation'), &
+      engine_word_t('DYREL', ENGINE_OUT,  F, 'dynamic relaxation'), &
+      engine_word_t('ADYRE', ENGINE_OUT,  F, 'dynamic relaxation'), &
+      engine_word_t('DAMP',  ENGINE_OUT,  F, 'Rayleigh damping'), &
+      engine_word_t('INIV',  ENGINE_OUT,  F, 'velocities at a restart: use /INIVEL in the starter deck'), &
+      engine_word_t('IMPL',  ENGINE_OUT,  F, 'implicit solution'), &
+      engine_word_t('EIG',   ENGINE_OUT,  F, 'eigenmodes'), &
+      engine_word_t('THERM', ENGINE_OUT,  F, 'heat'), &
+      engine_word_t('ALE',   ENGINE_OUT,  F, 'fluids'), &
+      engine_word_t('INTER', ENGINE_OUT,  F, 'contact')]
 
    !> Run control; times are in work units
    type :: engine_t
@@ -192,11 +187,11 @@ contains
          return
       end if
       w = engine_words(row)
-      go_on = w%id /= EN_END
+      go_on = w%name /= 'END'
       if (w%status == ENGINE_READ) then
-         call take_keyword(deck, w%id, words, header, last, severity, engine)
+         call take_keyword(deck, w%name, words, header, last, severity, engine)
       else if (w%status == ENGINE_NOTE) then
-         if (w%id == EN_TH) call check_th_version(deck, words, header)
+         if (w%name == 'TH') call check_th_version(deck, words, header)
          call report_line(deck, header, SEV_NOTE, 'KJ-9023', '/'//trim(words%word(1))// &
             ' has no effect here', trim(w%meaning))
       else
@@ -207,9 +202,9 @@ contains
    end function take_block
 
    !> Read one of the keywords that steer the run
-   subroutine take_keyword(deck, id, words, header, last, severity, engine)
+   subroutine take_keyword(deck, name, words, header, last, severity, engine)
       type(deck_t), intent(inout) :: deck
-      integer, intent(in) :: id                 !! EN_ constant
+      character(len=5), intent(in) :: name      !! of the row
       type(engine_line_t), intent(in) :: words
       integer, intent(in) :: header, last, severity
       type(engine_t), intent(inout) :: engine
@@ -218,16 +213,16 @@ contains
       logical :: second
 
       second = .false.
-      select case (id)
-      case (EN_RUN)
+      select case (name)
+      case ('RUN')
          second = engine%has_run
          if (.not. second) call take_run(deck, words, header, last, engine)
-      case (EN_VERS)
+      case ('VERS')
          second = engine%version /= 0
          if (.not. second) engine%version = word_integer(deck, header, words, 2, 0)
          if (engine%version < 18) call report_line(deck, header, SEV_ERROR, 'KJ-E196', &
             'the version is below 18', 'expected: 2022')
-      case (EN_TFILE)
+      case ('TFILE')
          second = engine%has_tfile
          if (.not. second) then
             engine%has_tfile = .true.
@@ -235,12 +230,12 @@ contains
             call read_values(deck, header, last, 1, 1, value)
             engine%th_dt = round10(value(1))
          end if
-      case (EN_PRINT)
+      case ('PRINT')
          second = engine%print_every /= 0
          if (.not. second) engine%print_every = word_integer(deck, header, words, 2, 0)
-      case (EN_DT)
+      case ('DT')
          call take_dt(deck, words, header, last, severity, engine, second)
-      case (EN_DTIX)
+      case ('DTIX')
          second = engine%has_dtix
          if (.not. second) then
             engine%has_dtix = .true.
@@ -252,7 +247,7 @@ contains
                'the first time step is larger than the largest one', &
                'expected: first step, largest step')
          end if
-      case (EN_STOP)
+      case ('STOP', 'KILL')
          second = engine%has_stop
          if (.not. second) call take_stop(deck, header, last, engine)
       end select

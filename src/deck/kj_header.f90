@@ -3,7 +3,7 @@
 module kj_header
    use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE
    use kj_keywords, only: keywords, find_keyword, nearest_keyword, READ_IT, NOTE_IT, HEAD_ID, &
-      HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, KW_OTHER
+      HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, keyword_of
    use kj_spelling, only: upper, edit_distance
    use kj_card_fields, only: has_variant
    use kj_deck_text, only: deck_t, block_t, add_deck_finding, line_text, header_end, report_line
@@ -46,7 +46,7 @@ contains
       block%row = row
       block%header = line
       if (row == 0) return
-      block%keyword = merge(keywords(row)%id, KW_OTHER, keywords(row)%status == READ_IT)
+      block%keyword = keyword_of(row)
       call take_numbers(deck, indent, header, block, severity)
       call report_status(deck, row, line, header%path, severity)
    end subroutine read_heading
@@ -82,10 +82,10 @@ contains
             if (header%n >= 3) block%unit_id = header%number(3)
             if (header%n < 2) call report_line(deck, line, SEV_ERROR, 'KJ-9036', &
                'the header has no type or no id', 'expected: '//trim(row%name)//'/type/id')
-            if (.not. has_variant(row%id, block%variant)) then
+            if (.not. has_variant(block%keyword, block%variant)) then
                call report_line(deck, line, severity, 'KJ-9022', trim(row%name)// &
                   ' of this type is not supported', 'supported: types 0, 1 and 5')
-               block%keyword = KW_OTHER
+               block%keyword = 0
             end if
          end select
          if (row%head == HEAD_NONE .and. row%status == READ_IT .and. header%n > 0) then

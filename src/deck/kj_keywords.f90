@@ -5,24 +5,7 @@ module kj_keywords
    implicit none
    private
 
-   public :: keyword_t, find_keyword, keyword_row, nearest_keyword
-
-   !> Keywords with cards of their own (or without cards but with a meaning of their own)
-   integer, parameter, public :: &
-      KW_BEGIN = 1, KW_TITLE = 2, KW_END = 3, KW_UNIT = 4, KW_NODE = 5, KW_CNODE = 6, KW_PART = 7, &
-      KW_SUBSET = 8, KW_SPRING = 9, KW_KJOINT = 10, KW_KJOINT2 = 11, KW_SPRING4 = 12, &
-      KW_SPRING8 = 13, KW_MAT_VOID = 14, KW_RBODY = 15, KW_GRNOD_NODE = 16, KW_GRNOD_NODENS = 17, &
-      KW_GRNOD_GRNOD = 18, KW_GRNOD_GENE = 19, KW_GRNOD_GEN_INCR = 20, KW_GRNOD_PART = 21, &
-      KW_GRNOD_BOX = 22, KW_BOX_RECTA = 23, KW_BOX_SPHER = 24, KW_BOX_CYLIN = 25, &
-      KW_SET_GENERAL = 26, KW_SKEW_FIX = 27, KW_SKEW_MOV = 28, KW_SKEW_MOV2 = 29, &
-      KW_FRAME_FIX = 30, KW_FRAME_MOV = 31, KW_FRAME_MOV2 = 32, KW_FRAME_NOD = 33, KW_FUNCT = 34, &
-      KW_MOVE_FUNCT = 35, KW_BCS = 36, KW_GRAV = 37, KW_CLOAD = 38, KW_IMPVEL = 39, &
-      KW_IMPDISP = 40, KW_IMPACC = 41, KW_INIVEL_TRA = 42, KW_INIVEL_ROT = 43, &
-      KW_INIVEL_TG = 44, KW_INIVEL_AXIS = 45, KW_ADMAS = 46, KW_SENSOR_TIME = 47, &
-      KW_TH_NODE = 48, KW_TH_SPRING = 49, KW_TH_RBODY = 50, KW_TH_PART = 51, KW_ANALY = 52, &
-      KW_SPMD = 53, KW_IOFLAG = 54, KW_DEF_SOLID = 55, KW_DEF_SHELL = 56, KW_RANDOM = 57
-   integer, parameter, public :: KW_OTHER = 58      !! all keywords that only have a status
-   integer, parameter, public :: N_KEYWORD = 58     !! largest KW_ constant
+   public :: find_keyword, keyword_of, nearest_keyword
 
    !> Status of a keyword
    integer, parameter, public :: &
@@ -39,7 +22,6 @@ module kj_keywords
 
    !> A row; names of NOTE_IT and OUT_OF_SCOPE rows stand for all headers that begin with them
    type :: keyword_t
-      integer           :: id        !! KW_ constant; rows with one id are other names
       character(len=16) :: name      !! as written in a deck, without the numbers
       logical           :: titled    !! a title card follows the header
       integer           :: status    !! READ_IT, NOTE_IT or OUT_OF_SCOPE
@@ -51,137 +33,184 @@ module kj_keywords
    logical, parameter :: T = .true., F = .false.
 
    type(keyword_t), parameter, public :: keywords(*) = [ &
-      keyword_t(KW_BEGIN,          '/BEGIN',           T, READ_IT, HN, 'format version, input units and work units'), &
-      keyword_t(KW_TITLE,          '/TITLE',           T, READ_IT, HN, 'title of the model'), &
-      keyword_t(KW_END,            '/END',             F, READ_IT, HN, 'end of the deck'), &
-      keyword_t(KW_UNIT,           '/UNIT',            T, READ_IT, HI, 'units of the blocks that name this id'), &
-      keyword_t(KW_OTHER,          '/UNIT/MASS',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
-      keyword_t(KW_OTHER,          '/UNIT/LENGTH',     T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
-      keyword_t(KW_OTHER,          '/UNIT/TIME',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
-      keyword_t(KW_NODE,           '/NODE',            F, READ_IT, HU, 'nodes: id and coordinates'), &
-      keyword_t(KW_CNODE,          '/CNODE',           F, OUT_OF_SCOPE, HN, 'merging of nodes: use /NODE'), &
-      keyword_t(KW_PART,           '/PART',            T, READ_IT, HI, 'elements of one property and material'), &
-      keyword_t(KW_SUBSET,         '/SUBSET',          T, NOTE_IT, HI, 'set of parts, for output only'), &
-      keyword_t(KW_SPRING,         '/SPRING',          F, READ_IT, HI, 'springs and joints of a part: id and nodes'), &
-      keyword_t(KW_KJOINT,         '/PROP/TYPE33',     T, READ_IT, HI, 'kinematic joint'), &
-      keyword_t(KW_KJOINT,         '/PROP/KJOINT',     T, READ_IT, HI, 'kinematic joint, same as /PROP/TYPE33'), &
-      keyword_t(KW_KJOINT2,        '/PROP/TYPE45',     T, READ_IT, HI, 'kinematic joint with stops and friction'), &
-      keyword_t(KW_KJOINT2,        '/PROP/KJOINT2',    T, READ_IT, HI, 'kinematic joint, same as /PROP/TYPE45'), &
-      keyword_t(KW_SPRING4,        '/PROP/TYPE4',      T, READ_IT, HI, 'spring along the line of its two nodes'), &
-      keyword_t(KW_SPRING4,        '/PROP/SPRING',     T, READ_IT, HI, 'spring, same as /PROP/TYPE4'), &
-      keyword_t(KW_SPRING8,        '/PROP/TYPE8',      T, READ_IT, HI, 'spring with six laws in the axes of a skew'), &
-      keyword_t(KW_SPRING8,        '/PROP/SPR_GENE',   T, READ_IT, HI, 'spring, same as /PROP/TYPE8'), &
-      keyword_t(KW_OTHER,          '/PROP',            T, OUT_OF_SCOPE, HI, 'elements of another kind than springs and joints'), &
-      keyword_t(KW_MAT_VOID,       '/MAT/VOID',        T, READ_IT, HI, 'material without stiffness'), &
-      keyword_t(KW_MAT_VOID,       '/MAT/LAW0',        T, READ_IT, HI, 'material without stiffness, same as /MAT/VOID'), &
-      keyword_t(KW_OTHER,          '/MAT',             T, OUT_OF_SCOPE, HI, 'deformable elements; springs and joints need none'), &
-      keyword_t(KW_RBODY,          '/RBODY',           T, READ_IT, HI, 'rigid body: main node, mass, inertia, group'), &
-      keyword_t(KW_GRNOD_NODE,     '/GRNOD/NODE',      T, READ_IT, HI, 'node group: ids'), &
-      keyword_t(KW_GRNOD_NODENS,   '/GRNOD/NODENS',    T, READ_IT, HI, 'node group: ids, order kept'), &
-      keyword_t(KW_GRNOD_GRNOD,    '/GRNOD/GRNOD',     T, READ_IT, HI, 'node group: ids of groups, negative ones removed'), &
-      keyword_t(KW_GRNOD_GENE,     '/GRNOD/GENE',      T, READ_IT, HI, 'node group: ranges of ids, first and last'), &
-      keyword_t(KW_GRNOD_GEN_INCR, '/GRNOD/GEN_INCR',  T, READ_IT, HI, 'node group: ranges of ids, first, last, increment'), &
-      keyword_t(KW_GRNOD_PART,     '/GRNOD/PART',      T, READ_IT, HI, 'node group: nodes of the elements of parts'), &
-      keyword_t(KW_GRNOD_BOX,      '/GRNOD/BOX',       T, READ_IT, HI, 'node group: nodes inside of boxes'), &
-      keyword_t(KW_OTHER,          '/GRNOD',           T, OUT_OF_SCOPE, HI, 'another way to choose nodes: list them instead'), &
-      keyword_t(KW_BOX_RECTA,      '/BOX/RECTA',       T, READ_IT, HI, 'box by two corners'), &
-      keyword_t(KW_BOX_SPHER,      '/BOX/SPHER',       T, OUT_OF_SCOPE, HI, 'round boxes: use /BOX/RECTA or a list of nodes'), &
-      keyword_t(KW_BOX_CYLIN,      '/BOX/CYLIN',       T, OUT_OF_SCOPE, HI, 'round boxes: use /BOX/RECTA or a list of nodes'), &
-      keyword_t(KW_OTHER,          '/BOX',             T, OUT_OF_SCOPE, HI, 'sets of boxes: list the boxes in /GRNOD/BOX'), &
-      keyword_t(KW_SET_GENERAL,    '/SET/GENERAL',     T, READ_IT, HI, 'set of nodes by clauses'), &
-      keyword_t(KW_OTHER,          '/SET',             T, OUT_OF_SCOPE, HI, 'sets over several blocks: use /SET/GENERAL'), &
-      keyword_t(KW_SKEW_FIX,       '/SKEW/FIX',        T, READ_IT, HI, 'axes fixed in space'), &
-      keyword_t(KW_SKEW_MOV,       '/SKEW/MOV',        T, READ_IT, HI, 'axes that follow three nodes'), &
-      keyword_t(KW_SKEW_MOV2,      '/SKEW/MOV2',       T, READ_IT, HI, 'axes that follow three nodes, z first'), &
-      keyword_t(KW_OTHER,          '/SKEW',            T, OUT_OF_SCOPE, HI, 'skews of another kind than FIX, MOV and MOV2'), &
-      keyword_t(KW_FRAME_FIX,      '/FRAME/FIX',       T, READ_IT, HI, 'frame fixed in space'), &
-      keyword_t(KW_FRAME_MOV,      '/FRAME/MOV',       T, READ_IT, HI, 'frame that follows three nodes'), &
-      keyword_t(KW_FRAME_MOV2,     '/FRAME/MOV2',      T, READ_IT, HI, 'frame that follows three nodes, z first'), &
-      keyword_t(KW_FRAME_NOD,      '/FRAME/NOD',       T, READ_IT, HI, 'frame that follows one node'), &
-      keyword_t(KW_OTHER,          '/FRAME',           T, OUT_OF_SCOPE, HI, 'frames of another kind than FIX, MOV, MOV2 and NOD'), &
-      keyword_t(KW_FUNCT,          '/FUNCT',           T, READ_IT, HI, 'function by points'), &
-      keyword_t(KW_OTHER,          '/FUNCT_SMOOTH',    T, OUT_OF_SCOPE, HI, 'smooth interpolation: use /FUNCT with more points'), &
-      keyword_t(KW_MOVE_FUNCT,     '/MOVE_FUNCT',      T, READ_IT, HI, 'scales and shifts a function'), &
-      keyword_t(KW_BCS,            '/BCS',             T, READ_IT, HI, 'blocked directions of nodes'), &
-      keyword_t(KW_GRAV,           '/GRAV',            T, READ_IT, HI, 'gravity'), &
-      keyword_t(KW_CLOAD,          '/CLOAD',           T, READ_IT, HI, 'force or moment on nodes'), &
-      keyword_t(KW_IMPVEL,         '/IMPVEL',          T, READ_IT, HI, 'imposed velocity'), &
-      keyword_t(KW_OTHER,          '/IMPVEL/LAGMUL',   T, OUT_OF_SCOPE, HI, 'Lagrange multipliers: use /IMPVEL'), &
-      keyword_t(KW_OTHER,          '/IMPVEL/FGEO',     T, OUT_OF_SCOPE, HI, 'motion to a final geometry'), &
-      keyword_t(KW_IMPDISP,        '/IMPDISP',         T, READ_IT, HI, 'imposed displacement'), &
-      keyword_t(KW_OTHER,          '/IMPDISP/FGEO',    T, OUT_OF_SCOPE, HI, 'motion to a final geometry'), &
-      keyword_t(KW_IMPACC,         '/IMPACC',          T, READ_IT, HI, 'imposed acceleration'), &
-      keyword_t(KW_INIVEL_TRA,     '/INIVEL/TRA',      T, READ_IT, HI, 'initial velocity'), &
-      keyword_t(KW_INIVEL_ROT,     '/INIVEL/ROT',      T, READ_IT, HI, 'initial angular velocity'), &
-      keyword_t(KW_INIVEL_TG,      '/INIVEL/T+G',      T, READ_IT, HI, 'initial velocity of nodes and grid'), &
-      keyword_t(KW_INIVEL_AXIS,    '/INIVEL/AXIS',     T, READ_IT, HI, 'initial velocity about an axis'), &
-      keyword_t(KW_OTHER,          '/INIVEL/GRID',     T, NOTE_IT, HI, 'grid velocity of fluids'), &
-      keyword_t(KW_OTHER,          '/INIVEL',          T, OUT_OF_SCOPE, HI, 'initial velocity of another kind'), &
-      keyword_t(KW_ADMAS,          '/ADMAS',           T, READ_IT, HT, 'masses on nodes'), &
-      keyword_t(KW_SENSOR_TIME,    '/SENSOR/TIME',     T, READ_IT, HI, 'sensor of time'), &
-      keyword_t(KW_OTHER,          '/SENSOR',          T, OUT_OF_SCOPE, HI, 'sensors of other things than time'), &
-      keyword_t(KW_TH_NODE,        '/TH/NODE',         T, READ_IT, HI, 'history of nodes'), &
-      keyword_t(KW_TH_SPRING,      '/TH/SPRING',       T, READ_IT, HI, 'history of springs and joints'), &
-      keyword_t(KW_TH_RBODY,       '/TH/RBODY',        T, READ_IT, HI, 'history of rigid bodies'), &
-      keyword_t(KW_TH_PART,        '/TH/PART',         T, READ_IT, HI, 'history of parts'), &
-      keyword_t(KW_OTHER,          '/TH',              T, NOTE_IT, HI, 'history of other things: not written'), &
-      keyword_t(KW_OTHER,          '/ATH',             T, NOTE_IT, HI, 'history in a file A: not written'), &
-      keyword_t(KW_OTHER,          '/BTH',             T, NOTE_IT, HI, 'history in a file B: not written'), &
-      keyword_t(KW_OTHER,          '/CTH',             T, NOTE_IT, HI, 'history in a file C: not written'), &
-      keyword_t(KW_OTHER,          '/DTH',             T, NOTE_IT, HI, 'history in a file D: not written'), &
-      keyword_t(KW_OTHER,          '/ETH',             T, NOTE_IT, HI, 'history in a file E: not written'), &
-      keyword_t(KW_OTHER,          '/FTH',             T, NOTE_IT, HI, 'history in a file F: not written'), &
-      keyword_t(KW_OTHER,          '/GTH',             T, NOTE_IT, HI, 'history in a file G: not written'), &
-      keyword_t(KW_OTHER,          '/HTH',             T, NOTE_IT, HI, 'history in a file H: not written'), &
-      keyword_t(KW_OTHER,          '/ITH',             T, NOTE_IT, HI, 'history in a file I: not written'), &
-      keyword_t(KW_ANALY,          '/ANALY',           F, READ_IT, HN, 'kind of analysis: must be 3D'), &
-      keyword_t(KW_SPMD,           '/SPMD',            F, NOTE_IT, HN, 'parallel run of other solvers'), &
-      keyword_t(KW_IOFLAG,         '/IOFLAG',          F, NOTE_IT, HN, 'listing of other solvers'), &
-      keyword_t(KW_DEF_SOLID,      '/DEF_SOLID',       F, NOTE_IT, HN, 'defaults of solid elements'), &
-      keyword_t(KW_DEF_SHELL,      '/DEF_SHELL',       F, NOTE_IT, HN, 'defaults of shell elements'), &
-      keyword_t(KW_OTHER,          '/DEFAULT',         F, NOTE_IT, HN, 'defaults of contacts and elements'), &
-      keyword_t(KW_RANDOM,         '/RANDOM',          F, READ_IT, HN, 'disturbs coordinates: must be 0'), &
-      keyword_t(KW_RANDOM,         '/RANDOM/GRNOD',    F, READ_IT, HI, 'disturbs coordinates of a group: must be 0'), &
-      keyword_t(KW_OTHER,          '/GRPART',          T, NOTE_IT, HI, 'group of parts, used by nothing in scope'), &
-      keyword_t(KW_OTHER,          '/GRSPRI',          T, NOTE_IT, HI, 'group of springs, used by nothing in scope'), &
-      keyword_t(KW_OTHER,          '/GRSHEL',          T, NOTE_IT, HI, 'group of shells, used by nothing in scope'), &
-      keyword_t(KW_OTHER,          '/GRBRIC',          T, NOTE_IT, HI, 'group of solids, used by nothing in scope'), &
-      keyword_t(KW_OTHER,          '/SURF',            T, NOTE_IT, HI, 'surface, used by nothing in scope'), &
-      keyword_t(KW_OTHER,          '/LINE',            T, NOTE_IT, HI, 'line, used by nothing in scope'), &
-      keyword_t(KW_OTHER,          '/ANIM',            F, NOTE_IT, HN, 'animation files: not written'), &
-      keyword_t(KW_OTHER,          '/PARAMETER',       T, OUT_OF_SCOPE, HI, 'parameters: write the numbers into the cards'), &
-      keyword_t(KW_OTHER,          '//SUBMODEL',       T, OUT_OF_SCOPE, HI, 'submodels: put their blocks into the deck'), &
-      keyword_t(KW_OTHER,          '//ENDSUB',         F, OUT_OF_SCOPE, HN, 'submodels: put their blocks into the deck'), &
-      keyword_t(KW_OTHER,          '/MERGE',           T, OUT_OF_SCOPE, HI, 'merging of bodies: make them one /RBODY'), &
-      keyword_t(KW_OTHER,          '/DAMP',            T, OUT_OF_SCOPE, HI, 'Rayleigh damping'), &
-      keyword_t(KW_OTHER,          '/BRICK',           F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t(KW_OTHER,          '/TETRA4',          F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t(KW_OTHER,          '/TETRA10',         F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t(KW_OTHER,          '/SHELL',           F, OUT_OF_SCOPE, HI, 'shell elements'), &
-      keyword_t(KW_OTHER,          '/SH3N',            F, OUT_OF_SCOPE, HI, 'shell elements'), &
-      keyword_t(KW_OTHER,          '/QUAD',            F, OUT_OF_SCOPE, HI, 'plane elements'), &
-      keyword_t(KW_OTHER,          '/BEAM',            F, OUT_OF_SCOPE, HI, 'beam elements'), &
-      keyword_t(KW_OTHER,          '/TRUSS',           F, OUT_OF_SCOPE, HI, 'truss elements'), &
-      keyword_t(KW_OTHER,          '/INTER',           T, OUT_OF_SCOPE, HI, 'contact'), &
-      keyword_t(KW_OTHER,          '/FRICTION',        T, OUT_OF_SCOPE, HI, 'contact'), &
-      keyword_t(KW_OTHER,          '/RWALL',           T, OUT_OF_SCOPE, HI, 'rigid walls'), &
-      keyword_t(KW_OTHER,          '/RLINK',           T, OUT_OF_SCOPE, HI, 'rigid links: use a rigid joint or /RBODY'), &
-      keyword_t(KW_OTHER,          '/RBE2',            T, OUT_OF_SCOPE, HI, 'RBE2: use /RBODY'), &
-      keyword_t(KW_OTHER,          '/RBE3',            T, OUT_OF_SCOPE, HI, 'interpolation constraints'), &
-      keyword_t(KW_OTHER,          '/MPC',             T, OUT_OF_SCOPE, HI, 'linear constraints'), &
-      keyword_t(KW_OTHER,          '/CYL_JOINT',       T, OUT_OF_SCOPE, HI, 'cylindrical constraint: use /PROP/KJOINT type 3'), &
-      keyword_t(KW_OTHER,          '/GJOINT',          T, OUT_OF_SCOPE, HI, 'gear joints'), &
-      keyword_t(KW_OTHER,          '/PLOAD',           T, OUT_OF_SCOPE, HI, 'pressure on surfaces'), &
-      keyword_t(KW_OTHER,          '/LOAD',            T, OUT_OF_SCOPE, HI, 'loads on surfaces, centrifugal loads'), &
-      keyword_t(KW_OTHER,          '/MONVOL',          T, OUT_OF_SCOPE, HI, 'airbags'), &
-      keyword_t(KW_OTHER,          '/FXBODY',          T, OUT_OF_SCOPE, HI, 'flexible bodies'), &
-      keyword_t(KW_OTHER,          '/FAIL',            T, OUT_OF_SCOPE, HI, 'failure of materials'), &
-      keyword_t(KW_OTHER,          '/ACTIV',           T, OUT_OF_SCOPE, HI, 'switching of elements'), &
-      keyword_t(KW_OTHER,          '/ALE',             F, OUT_OF_SCOPE, HN, 'fluids'), &
-      keyword_t(KW_OTHER,          '/ACCEL',           T, NOTE_IT, HI, 'accelerometer, for output only'), &
-      keyword_t(KW_OTHER,          '/SECT',            T, NOTE_IT, HI, 'section, for output only'), &
-      keyword_t(KW_OTHER,          '/GAUGE',           T, NOTE_IT, HI, 'gauge, for output only'), &
-      keyword_t(KW_OTHER,          '/STATE',           F, NOTE_IT, HN, 'state file: not written')]
+      keyword_t('/BEGIN',           T, READ_IT, HN, 'format version, input units and work units'), &
+      keyword_t('/TITLE',           T, READ_IT, HN, 'title of the model'), &
+      keyword_t('/END',             F, READ_IT, HN, 'end of the deck'), &
+      keyword_t('/UNIT',            T, READ_IT, HI, 'units of the blocks that name this id'), &
+      keyword_t('/UNIT/MASS',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
+      keyword_t('/UNIT/LENGTH',     T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
+      keyword_t('/UNIT/TIME',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
+      keyword_t('/NODE',            F, READ_IT, HU, 'nodes: id and coordinates'), &
+      keyword_t('/CNODE',           F, OUT_OF_SCOPE, HN, 'merging of nodes: use /NODE'), &
+      keyword_t('/PART',            T, READ_IT, HI, 'elements of one property and material'), &
+      keyword_t('/SUBSET',          T, NOTE_IT, HI, 'set of parts, for output only'), &
+      keyword_t('/SPRING',          F, READ_IT, HI, 'springs and joints of a part: id and nodes'), &
+      keyword_t('/PROP/TYPE33',     T, READ_IT, HI, 'kinematic joint'), &
+      keyword_t('/PROP/KJOINT',     T, READ_IT, HI, 'kinematic joint, same as /PROP/TYPE33'), &
+      keyword_t('/PROP/TYPE45',     T, READ_IT, HI, 'kinematic joint with stops and friction'), &
+      keyword_t('/PROP/KJOINT2',    T, READ_IT, HI, 'kinematic joint, same as /PROP/TYPE45'), &
+      keyword_t('/PROP/TYPE4',      T, READ_IT, HI, 'spring along the line of its two nodes'), &
+      keyword_t('/PROP/SPRING',     T, READ_IT, HI, 'spring, same as /PROP/TYPE4'), &
+      keyword_t('/PROP/TYPE8',      T, READ_IT, HI, 'spring with six laws in the axes of a skew'), &
+      keyword_t('/PROP/SPR_GENE',   T, READ_IT, HI, 'spring, same as /PROP/TYPE8'), &
+      keyword_t('/PROP',            T, OUT_OF_SCOPE, HI, 'elements of another kind than springs and joints'), &
+      keyword_t('/MAT/VOID',        T, READ_IT, HI, 'material without stiffness'), &
+      keyword_t('/MAT/LAW0',        T, READ_IT, HI, 'material without stiffness, same as /MAT/VOID'), &
+      keyword_t('/MAT',             T, OUT_OF_SCOPE, HI, 'deformable elements; springs and joints need none'), &
+      keyword_t('/RBODY',           T, READ_IT, HI, 'rigid body: main node, mass, inertia, group'), &
+      keyword_t('/GRNOD/NODE',      T, READ_IT, HI, 'node group: ids'), &
+      keyword_t('/GRNOD/NODENS',    T, READ_IT, HI, 'node group: ids, order kept'), &
+      keyword_t('/GRNOD/GRNOD',     T, READ_IT, HI, 'node group: ids of groups, negative ones removed'), &
+      keyword_t('/GRNOD/GENE',      T, READ_IT, HI, 'node group: ranges of ids, first and last'), &
+      keyword_t('/GRNOD/GEN_INCR',  T, READ_IT, HI, 'node group: ranges of ids, first, last, increment'), &
+      keyword_t('/GRNOD/PART',      T, READ_IT, HI, 'node group: nodes of the elements of parts'), &
+      keyword_t('/GRNOD/BOX',       T, READ_IT, HI, 'node group: nodes inside of boxes'), &
+      keyword_t('/GRNOD',           T, OUT_OF_SCOPE, HI, 'another way to choose nodes: list them instead'), &
+      keyword_t('/BOX/RECTA',       T, READ_IT, HI, 'box by two corners'), &
+      keyword_t('/BOX/SPHER',       T, OUT_OF_SCOPE, HI, 'round boxes: use /BOX/RECTA or a list of nodes'), &
+      keyword_t('/BOX/CYLIN',       T, OUT_OF_SCOPE, HI, 'round boxes: use /BOX/RECTA or a list of nodes'), &
+      keyword_t('/BOX',             T, OUT_OF_SCOPE, HI, 'sets of boxes: list the boxes in /GRNOD/BOX'), &
+      keyword_t('/SET/GENERAL',     T, READ_IT, HI, 'set of nodes by clauses'), &
+      keyword_t('/SET',             T, OUT_OF_SCOPE, HI, 'sets over several blocks: use /SET/GENERAL'), &
+      keyword_t('/SKEW/FIX',        T, READ_IT, HI, 'axes fixed in space'), &
+      keyword_t('/SKEW/MOV',        T, READ_IT, HI, 'axes that follow three nodes'), &
+      keyword_t('/SKEW/MOV2',       T, READ_IT, HI, 'axes that follow three nodes, z first'), &
+      keyword_t('/SKEW',            T, OUT_OF_SCOPE, HI, 'skews of another kind than FIX, MOV and MOV2'), &
+      keyword_t('/FRAME/FIX',       T, READ_IT, HI, 'frame fixed in space'), &
+      keyword_t('/FRAME/MOV',       T, READ_IT, HI, 'frame that follows three nodes'), &
+      keyword_t('/FRAME/MOV2',      T, READ_IT, HI, 'frame that follows three nodes, z first'), &
+      keyword_t('/FRAME/NOD',       T, READ_IT, HI, 'frame that follows one node'), &
+      keyword_t('/FRAME',           T, OUT_OF_SCOPE, HI, 'frames of another kind than FIX, MOV, MOV2 and NOD'), &
+      keyword_t('/FUNCT',           T, READ_IT, HI, 'function by points'), &
+      keyword_t('/FUNCT_SMOOTH',    T, OUT_OF_SCOPE, HI, 'smooth interpolation: use /FUNCT with more points'), &
+      keyword_t('/MOVE_FUNCT',      T, READ_IT, HI, 'scales and shifts a function'), &
+      keyword_t('/BCS',             T, READ_IT, HI, 'blocked directions of nodes'), &
+      keyword_t('/GRAV',            T, READ_IT, HI, 'gravity'), &
+      keyword_t('/CLOAD',           T, READ_IT, HI, 'force or moment on nodes'), &
+      keyword_t('/IMPVEL',          T, READ_IT, HI, 'imposed velocity'), &
+      keyword_t('/IMPVEL/LAGMUL',   T, OUT_OF_SCOPE, HI, 'Lagrange multipliers: use /IMPVEL'), &
+      keyword_t('/IMPVEL/FGEO',     T, OUT_OF_SCOPE, HI, 'motion to a final geometry'), &
+      keyword_t('/IMPDISP',         T, READ_IT, HI, 'imposed displacement'), &
+      keyword_t('/IMPDISP/FGEO',    T, OUT_OF_SCOPE, HI, 'motion to a final geometry'), &
+      keyword_t('/IMPACC',          T, READ_IT, HI, 'imposed acceleration'), &
+      keyword_t('/INIVEL/TRA',      T, READ_IT, HI, 'initial velocity'), &
+      keyword_t('/INIVEL/ROT',      T, READ_IT, HI, 'initial angular velocity'), &
+      keyword_t('/INIVEL/T+G',      T, READ_IT, HI, 'initial velocity of nodes and grid'), &
+      keyword_t('/INIVEL/AXIS',     T, READ_IT, HI, 'initial velocity about an axis'), &
+      keyword_t('/INIVEL/GRID',     T, NOTE_IT, HI, 'grid velocity of fluids'), &
+      keyword_t('/INIVEL',          T, OUT_OF_SCOPE, HI, 'initial velocity of another kind'), &
+      keyword_t('/ADMAS',           T, READ_IT, HT, 'masses on nodes'), &
+      keyword_t('/SENSOR/TIME',     T, READ_IT, HI, 'sensor of time'), &
+      keyword_t('/SENSOR',          T, OUT_OF_SCOPE, HI, 'sensors of other things than time'), &
+      keyword_t('/TH/NODE',         T, READ_IT, HI, 'history of nodes'), &
+      keyword_t('/TH/SPRING',       T, READ_IT, HI, 'history of springs and joints'), &
+      keyword_t('/TH/RBODY',        T, READ_IT, HI, 'history of rigid bodies'), &
+      keyword_t('/TH/PART',         T, READ_IT, HI, 'history of parts'), &
+      keyword_t('/TH',              T, NOTE_IT, HI, 'history of other things: not written'), &
+      keyword_t('/ATH',             T, NOTE_IT, HI, 'history in a file A: not written'), &
+      keyword_t('/BTH',             T, NOTE_IT, HI, 'history in a file B: not written'), &
+      keyword_t('/CTH',             T, NOTE_IT, HI, 'history in a file C: not written'), &
+      keyword_t('/DTH',             T, NOTE_IT, HI, 'history in a file D: not written'), &
+      keyword_t('/ETH',             T, NOTE_IT, HI, 'history in a file E: not written'), &
+      keyword_t('/FTH',             T, NOTE_IT, HI, 'history in a file F: not written'), &
+      keyword_t('/GTH',             T, NOTE_IT, HI, 'history in a file G: not written'), &
+      keyword_t('/HTH',             T, NOTE_IT, HI, 'history in a file H: not written'), &
+      keyword_t('/ITH',             T, NOTE_IT, HI, 'history in a file I: not written'), &
+      keyword_t('/ANALY',           F, READ_IT, HN, 'kind of analysis: must be 3D'), &
+      keyword_t('/SPMD',            F, NOTE_IT, HN, 'parallel run of other solvers'), &
+      keyword_t('/IOFLAG',          F, NOTE_IT, HN, 'listing of other solvers'), &
+      keyword_t('/DEF_SOLID',       F, NOTE_IT, HN, 'defaults of solid elements'), &
+      keyword_t('/DEF_SHELL',       F, NOTE_IT, HN, 'defaults of shell elements'), &
+      keyword_t('/DEFAULT',         F, NOTE_IT, HN, 'defaults of contacts and elements'), &
+      keyword_t('/RANDOM',          F, READ_IT, HN, 'disturbs coordinates: must be 0'), &
+      keyword_t('/RANDOM/GRNOD',    F, READ_IT, HI, 'disturbs coordinates of a group: must be 0'), &
+      keyword_t('/GRPART',          T, NOTE_IT, HI, 'group of parts, used by nothing in scope'), &
+      keyword_t('/GRSPRI',          T, NOTE_IT, HI, 'group of springs, used by nothing in scope'), &
+      keyword_t('/GRSHEL',          T, NOTE_IT, HI, 'group of shells, used by nothing in scope'), &
+      keyword_t('/GRBRIC',          T, NOTE_IT, HI, 'group of solids, used by nothing in scope'), &
+      keyword_t('/SURF',            T, NOTE_IT, HI, 'surface, used by nothing in scope'), &
+      keyword_t('/LINE',            T, NOTE_IT, HI, 'line, used by nothing in scope'), &
+      keyword_t('/ANIM',            F, NOTE_IT, HN, 'animation files: not written'), &
+      keyword_t('/PARAMETER',       T, OUT_OF_SCOPE, HI, 'parameters: write the numbers into the cards'), &
+      keyword_t('//SUBMODEL',       T, OUT_OF_SCOPE, HI, 'submodels: put their blocks into the deck'), &
+      keyword_t('//ENDSUB',         F, OUT_OF_SCOPE, HN, 'submodels: put their blocks into the deck'), &
+      keyword_t('/MERGE',           T, OUT_OF_SCOPE, HI, 'merging of bodies: make them one /RBODY'), &
+      keyword_t('/DAMP',            T, OUT_OF_SCOPE, HI, 'Rayleigh damping'), &
+      keyword_t('/BRICK',           F, OUT_OF_SCOPE, HI, 'solid elements'), &
+      keyword_t('/TETRA4',          F, OUT_OF_SCOPE, HI, 'solid elements'), &
+      keyword_t('/TETRA10',         F, OUT_OF_SCOPE, HI, 'solid elements'), &
+      keyword_t('/SHELL',           F, OUT_OF_SCOPE, HI, 'shell elements'), &
+      keyword_t('/SH3N',            F, OUT_OF_SCOPE, HI, 'shell elements'), &
+      keyword_t('/QUAD',            F, OUT_OF_SCOPE, HI, 'plane elements'), &
+      keyword_t('/BEAM',            F, OUT_OF_SCOPE, HI, 'beam elements'), &
+      keyword_t('/TRUSS',           F, OUT_OF_SCOPE, HI, 'truss elements'), &
+      keyword_t('/INTER',           T, OUT_OF_SCOPE, HI, 'contact'), &
+      keyword_t('/FRICTION',        T, OUT_OF_SCOPE, HI, 'contact'), &
+      keyword_t('/RWALL',           T, OUT_OF_SCOPE, HI, 'rigid walls'), &
+      keyword_t('/RLINK',           T, OUT_OF_SCOPE, HI, 'rigid links: use a rigid joint or /RBODY'), &
+      keyword_t('/RBE2',            T, OUT_OF_SCOPE, HI, 'RBE2: use /RBODY'), &
+      keyword_t('/RBE3',            T, OUT_OF_SCOPE, HI, 'interpolation constraints'), &
+      keyword_t('/MPC',             T, OUT_OF_SCOPE, HI, 'linear constraints'), &
+      keyword_t('/CYL_JOINT',       T, OUT_OF_SCOPE, HI, 'cylindrical constraint: use /PROP/KJOINT type 3'), &
+      keyword_t('/GJOINT',          T, OUT_OF_SCOPE, HI, 'gear joints'), &
+      keyword_t('/PLOAD',           T, OUT_OF_SCOPE, HI, 'pressure on surfaces'), &
+      keyword_t('/LOAD',            T, OUT_OF_SCOPE, HI, 'loads on surfaces, centrifugal loads'), &
+      keyword_t('/MONVOL',          T, OUT_OF_SCOPE, HI, 'airbags'), &
+      keyword_t('/FXBODY',          T, OUT_OF_SCOPE, HI, 'flexible bodies'), &
+      keyword_t('/FAIL',            T, OUT_OF_SCOPE, HI, 'failure of materials'), &
+      keyword_t('/ACTIV',           T, OUT_OF_SCOPE, HI, 'switching of elements'), &
+      keyword_t('/ALE',             F, OUT_OF_SCOPE, HN, 'fluids'), &
+      keyword_t('/ACCEL',           T, NOTE_IT, HI, 'accelerometer, for output only'), &
+      keyword_t('/SECT',            T, NOTE_IT, HI, 'section, for output only'), &
+      keyword_t('/GAUGE',           T, NOTE_IT, HI, 'gauge, for output only'), &
+      keyword_t('/STATE',           F, NOTE_IT, HN, 'state file: not written')]
+
+   !> Other names: the cards are those of the second
+   character(len=16), parameter :: SAME_AS(2, 6) = reshape([character(len=16) :: &
+      '/PROP/KJOINT', '/PROP/TYPE33', &
+      '/PROP/KJOINT2', '/PROP/TYPE45', &
+      '/PROP/SPRING', '/PROP/TYPE4', &
+      '/PROP/SPR_GENE', '/PROP/TYPE8', &
+      '/MAT/LAW0', '/MAT/VOID', &
+      '/RANDOM/GRNOD', '/RANDOM'], [2, 6])
+
+   !> Keywords that the reader or the builder knows: their rows. Those that only have a status need
+   !> none.
+   character(len=16), parameter :: NAME(*) = keywords%name
+   integer, parameter, public :: N_KEYWORD = size(keywords), &
+      KW_BEGIN = findloc(NAME, '/BEGIN', 1), KW_TITLE = findloc(NAME, '/TITLE', 1), &
+      KW_END = findloc(NAME, '/END', 1), KW_UNIT = findloc(NAME, '/UNIT', 1), &
+      KW_NODE = findloc(NAME, '/NODE', 1), KW_PART = findloc(NAME, '/PART', 1), &
+      KW_SPRING = findloc(NAME, '/SPRING', 1), KW_KJOINT = findloc(NAME, '/PROP/TYPE33', 1), &
+      KW_KJOINT2 = findloc(NAME, '/PROP/TYPE45', 1), &
+      KW_SPRING4 = findloc(NAME, '/PROP/TYPE4', 1), KW_SPRING8 = findloc(NAME, '/PROP/TYPE8', 1), &
+      KW_MAT_VOID = findloc(NAME, '/MAT/VOID', 1), KW_RBODY = findloc(NAME, '/RBODY', 1), &
+      KW_GRNOD_NODE = findloc(NAME, '/GRNOD/NODE', 1), &
+      KW_GRNOD_NODENS = findloc(NAME, '/GRNOD/NODENS', 1), &
+      KW_GRNOD_GRNOD = findloc(NAME, '/GRNOD/GRNOD', 1), &
+      KW_GRNOD_GENE = findloc(NAME, '/GRNOD/GENE', 1), &
+      KW_GRNOD_GEN_INCR = findloc(NAME, '/GRNOD/GEN_INCR', 1), &
+      KW_GRNOD_PART = findloc(NAME, '/GRNOD/PART', 1), &
+      KW_GRNOD_BOX = findloc(NAME, '/GRNOD/BOX', 1), &
+      KW_BOX_RECTA = findloc(NAME, '/BOX/RECTA', 1), &
+      KW_SET_GENERAL = findloc(NAME, '/SET/GENERAL', 1), &
+      KW_SKEW_FIX = findloc(NAME, '/SKEW/FIX', 1), KW_SKEW_MOV = findloc(NAME, '/SKEW/MOV', 1), &
+      KW_SKEW_MOV2 = findloc(NAME, '/SKEW/MOV2', 1), &
+      KW_FRAME_FIX = findloc(NAME, '/FRAME/FIX', 1), &
+      KW_FRAME_MOV = findloc(NAME, '/FRAME/MOV', 1), &
+      KW_FRAME_MOV2 = findloc(NAME, '/FRAME/MOV2', 1), &
+      KW_FRAME_NOD = findloc(NAME, '/FRAME/NOD', 1), KW_FUNCT = findloc(NAME, '/FUNCT', 1), &
+      KW_MOVE_FUNCT = findloc(NAME, '/MOVE_FUNCT', 1), KW_BCS = findloc(NAME, '/BCS', 1), &
+      KW_GRAV = findloc(NAME, '/GRAV', 1), KW_CLOAD = findloc(NAME, '/CLOAD', 1), &
+      KW_IMPVEL = findloc(NAME, '/IMPVEL', 1), KW_IMPDISP = findloc(NAME, '/IMPDISP', 1), &
+      KW_IMPACC = findloc(NAME, '/IMPACC', 1), KW_INIVEL_TRA = findloc(NAME, '/INIVEL/TRA', 1), &
+      KW_INIVEL_ROT = findloc(NAME, '/INIVEL/ROT', 1), &
+      KW_INIVEL_TG = findloc(NAME, '/INIVEL/T+G', 1), &
+      KW_INIVEL_AXIS = findloc(NAME, '/INIVEL/AXIS', 1), KW_ADMAS = findloc(NAME, '/ADMAS', 1), &
+      KW_SENSOR_TIME = findloc(NAME, '/SENSOR/TIME', 1), &
+      KW_TH_NODE = findloc(NAME, '/TH/NODE', 1), KW_TH_SPRING = findloc(NAME, '/TH/SPRING', 1), &
+      KW_TH_RBODY = findloc(NAME, '/TH/RBODY', 1), KW_TH_PART = findloc(NAME, '/TH/PART', 1), &
+      KW_ANALY = findloc(NAME, '/ANALY', 1), KW_RANDOM = findloc(NAME, '/RANDOM', 1)
 
 contains
 
@@ -217,15 +246,16 @@ contains
       row = 0
    end function exact_row
 
-   !> First row of a keyword: its name and meaning
-   pure integer function keyword_row(id) result(row)
-      integer, intent(in) :: id                 !! KW_ constant
+   !> The keyword whose cards a row has: KW_ constant, 0 when they are not read
+   pure integer function keyword_of(row) result(keyword)
+      integer, intent(in) :: row
 
-      do row = 1, size(keywords)
-         if (keywords(row)%id == id) return
-      end do
-      row = 0
-   end function keyword_row
+      integer :: i
+
+      keyword = merge(row, 0, keywords(row)%status == READ_IT)
+      i = findloc(SAME_AS(1, :), keywords(row)%name, 1)
+      if (i > 0) keyword = exact_row(trim(SAME_AS(2, i)))
+   end function keyword_of
 
    !> The keyword a wrong header may stand for: '' when nothing is near
    pure function nearest_keyword(path) result(name)

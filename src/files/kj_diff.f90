@@ -1,23 +1,29 @@
 !> Compares two histories, channel by channel and entity by entity: `kjoint diff`.
 !>
 !> A pass over REF finds the peaks that the tolerances hang on, a pass over both sides compares
-!> rows of equal time; a block of rows of each is in memory, however long they are.
+!> rows of equal time; a block of rows of each is in memory, however long they are. ISO/TS 18571
+!> ratings need whole curves, so that the two files are walked through again for as many curves at a
+!> time as fit in memory.
+!> One file: matching, comparing and rating are one pass after the other over the same list.
 module kj_diff
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, ERR_FILE, ERR_INPUT
-   use kj_history, only: text_t
-   use kj_channels, only: CH_TIME
-   use kj_metrics, only: metrics, curve_sums_t, add_sample, finish_metrics, M_ISO
+   use kj_error, only: error_t, fail, ERR_FILE, ERR_INPUT, str
+   use kj_channels, only: CH_TIME, channels, groups, OF_RUN, CH_CYCLE, CH_TIME_STEP, &
+      CH_OWNER_KIND, CH_OWNER
+   use kj_metrics, only: metrics, curve_sums_t, add_sample, finish_metrics, M_ISO, M_ISO_Z, &
+      M_ISO_P, M_ISO_M, M_ISO_S
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t, profile_t, &
-      find_profile, set_window, N_WORST
+      find_profile, set_window, N_WORST, class_result_t
    use kj_diff_walk, only: walk_t, open_cursor, convert_units, rewind_cursor, advance, time_of, &
-      is_final, in_window, close_cursor, start_walk, next_pair
-   use kj_diff_match, only: match_channels, find_classes
+      is_final, in_window, close_cursor, start_walk, next_pair, cursor_t
    use kj_diff_measure, only: rounding_t, rounding_of, add_peaks, scene_energy, set_tolerances, &
       compare_rows
-   use kj_diff_rating, only: rate_channels
    use kj_diff_report, only: diff_text, diff_json, diff_junit
+   use kj_text, only: append_text, text_t
+   use kj_sort, only: lookup_t, new_lookup, find
+   use kj_history, only: history_t
+   use kj_iso18571, only: rate_iso18571, iso18571_t
    implicit none
    private
 
@@ -26,6 +32,12 @@ module kj_diff
 
    real(wp), parameter :: EQUAL_TIMES = 1.0e-9_wp           !! of the span of REF
    real(wp), parameter :: EQUAL_TIMES_SINGLE = 1.0e-7_wp    !! where a side has 32-bit times
+
+   !> What tells of the steps of a run and not of the scene
+   integer, parameter :: OF_STEPS(4) = [CH_CYCLE, CH_TIME_STEP, CH_OWNER_KIND, CH_OWNER]
+
+   integer, parameter :: MOST_SAMPLES = 10000     !! the cost grows with their square
+   integer, parameter :: MOST_REALS = 2**23       !! of curves in memory
 
 contains
 
@@ -99,8 +111,7 @@ contains
          if (.not. allocated(error)) call next_pair(walk, found, error)
          if (allocated(error)) return
          if (.not. found) exit
-         call compare_rows(walk%t, walk%x, walk%y, result%profile%bitwise, rounding, &
-            result%channel)
+         call compare_rows(walk%t, walk%x, walk%y, result%profile%bitwise, rounding, result%channel)
          if (size(sums) > 0) call add_to_sums(walk, result%channel, sums)
       end do
       call judge(walk, result)
@@ -118,21 +129,11 @@ contains
       result%n_ref = walk%ref%n_row
       result%n_run = walk%run%n_row
       allocate (result%note(0))
-      if (allocated(walk%ref%reader%note)) call add_note(result%note, 'REF: '//walk%ref%reader%note)
-      if (allocated(walk%run%reader%note)) call add_note(result%note, 'RUN: '//walk%run%reader%note)
+      if (allocated(walk%ref%reader%note)) call append_text(result%note, &
+         'REF: '//walk%ref%reader%note)
+      if (allocated(walk%run%reader%note)) call append_text(result%note, &
+         'RUN: '//walk%run%reader%note)
    end subroutine take_notes
-
-   subroutine add_note(notes, text)
-      type(text_t), allocatable, intent(inout) :: notes(:)
-      character(len=*), intent(in) :: text
-
-      type(text_t), allocatable :: longer(:)
-
-      allocate (longer(size(notes) + 1))
-      longer(:size(notes)) = notes
-      longer(size(longer))%s = text
-      call move_alloc(longer, notes)
-   end subroutine add_note
 
    !> First pass: peaks and energy of REF inside the window, the span of its times; then tolerances
    subroutine look_at_reference(walk, options, single, result, error)
@@ -274,5 +275,173 @@ contains
       result%worst(at + 1:result%n_worst) = result%worst(at:result%n_worst - 1)
       result%worst(at) = i
    end subroutine note_worst
+
+   !> List every channel of every entity of REF with its place in RUN, 0 where RUN has none
+   !>
+   !> Profile `solver` and interpolation compare runs of other steps: channels that tell of the
+   !> steps are then listed only.
+   subroutine match_channels(ref, run, options, profile, list)
+      type(cursor_t), intent(in) :: ref, run
+      type(diff_options_t), intent(in) :: options
+      type(profile_t), intent(in) :: profile
+      type(channel_result_t), allocatable, intent(out) :: list(:)
+
+      integer, allocatable :: ref_id(:), run_id(:)
+      type(lookup_t) :: in_run
+      integer :: run_variable(size(channels)), i, j, k, n, at
+
+      n = 0
+      do i = 1, size(ref%history%variable)
+         at = ref%history%variable(i)%first
+         do j = 1, ref%history%variable(i)%n_entity
+            if (ref%reader%given(at)) n = n + 1
+            at = at + ref%history%variable(i)%n_comp
+         end do
+      end do
+      allocate (list(n))
+      run_variable = 0
+      do i = 1, size(run%history%variable)
+         run_variable(run%history%variable(i)%channel) = i
+      end do
+      n = 0
+      do i = 1, size(ref%history%variable)
+         associate (v => ref%history%variable(i))
+            call entity_ids(ref%history, channels(v%channel)%owner, ref_id)
+            call entity_ids(run%history, channels(v%channel)%owner, run_id)
+            call new_lookup(run_id, in_run)
+            do j = 1, v%n_entity
+               at = v%first + (j - 1)*v%n_comp
+               if (.not. ref%reader%given(at)) cycle
+               n = n + 1
+               list(n)%channel = v%channel
+               list(n)%entity = ref_id(j)
+               list(n)%n_comp = v%n_comp
+               list(n)%ref_at = at
+               list(n)%name = name_of(v%channel, ref_id(j))
+               list(n)%counted = .not. (any(OF_STEPS == v%channel) .and. &
+                  (profile%name == 'solver' .or. options%interpolate))
+               k = find(in_run, ref_id(j))
+               if (k == 0 .or. run_variable(v%channel) == 0) cycle
+               at = run%history%variable(run_variable(v%channel))%first + (k - 1)*v%n_comp
+               if (run%reader%given(at)) list(n)%run_at = at
+            end do
+         end associate
+      end do
+   end subroutine match_channels
+
+   !> User ids of the entities of an owner; 0 for the run itself
+   subroutine entity_ids(history, owner, id)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner                !! OF_ constant
+      integer, allocatable, intent(out) :: id(:)
+
+      if (owner == OF_RUN) then
+         id = [0]
+      else if (allocated(history%entity(owner)%id)) then
+         id = history%entity(owner)%id
+      end if
+      if (.not. allocated(id)) allocate (id(0))
+   end subroutine entity_ids
+
+   !> "joint/force[5]", "kinetic_energy_trans"
+   pure function name_of(channel, entity) result(name)
+      integer, intent(in) :: channel, entity
+      character(len=:), allocatable :: name
+
+      name = trim(channels(channel)%name)
+      if (channels(channel)%owner == OF_RUN) return
+      name = trim(groups(channels(channel)%owner)%path)//'/'//name//'['//str(entity)//']'
+   end function name_of
+
+   !> The classes that occur, in the order of the channels, and the class of each channel
+   subroutine find_classes(list, classes)
+      type(channel_result_t), intent(inout) :: list(:)
+      type(class_result_t), allocatable, intent(out) :: classes(:)
+
+      type(class_result_t) :: found(size(channels))
+      integer :: i, n
+
+      n = 0
+      do i = 1, size(list)
+         list(i)%class = findloc(found(:n)%name, channels(list(i)%channel)%class, 1)
+         if (list(i)%class > 0) cycle
+         n = n + 1
+         found(n)%name = channels(list(i)%channel)%class
+         list(i)%class = n
+      end do
+      classes = found(:n)
+   end subroutine find_classes
+
+   !> Rate every number of every channel that both sides have
+   !>
+   !> Of more than MOST_SAMPLES samples every second, third, ... is taken, and a note says so.
+   !> Errors: ERR_FILE.
+   subroutine rate_channels(walk, list, note, error)
+      type(walk_t), intent(inout) :: walk
+      type(channel_result_t), intent(inout) :: list(:)
+      type(text_t), allocatable, intent(inout) :: note(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: channel(sum(list%n_comp)), comp(sum(list%n_comp)), i, k, n, step, n_kept, most
+
+      if (walk%n_pair == 0) return
+      n = 0
+      do i = 1, size(list)
+         if (list(i)%run_at == 0) cycle
+         do k = 1, list(i)%n_comp
+            n = n + 1
+            channel(n) = i
+            comp(n) = k
+         end do
+      end do
+      step = 1 + (walk%n_pair - 1)/MOST_SAMPLES
+      n_kept = 1 + (walk%n_pair - 1)/step
+      if (step > 1) call append_text(note, 'iso18571: one of '//str(step)//' samples is rated')
+      most = max(1, MOST_REALS/(2*n_kept))
+      do i = 1, n, most
+         k = min(n, i + most - 1)
+         call rate_curves(walk, step, n_kept, channel(i:k), comp(i:k), list, error)
+         if (allocated(error)) return
+      end do
+   end subroutine rate_channels
+
+   !> Collect some curves in a walk and rate them
+   subroutine rate_curves(walk, step, n_kept, channel, comp, list, error)
+      type(walk_t), intent(inout) :: walk
+      integer, intent(in) :: step, n_kept                !! one sample of `step`; samples taken
+      integer, intent(in) :: channel(:), comp(:)         !! place in `list`, number of the channel
+      type(channel_result_t), intent(inout) :: list(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp), allocatable :: x(:, :), y(:, :)          !! (n_kept, curves)
+      type(iso18571_t) :: rating
+      logical :: found
+      integer :: i, n
+
+      allocate (x(n_kept, size(channel)), y(n_kept, size(channel)))
+      call start_walk(walk, error)
+      do
+         if (allocated(error)) return
+         call next_pair(walk, found, error)
+         if (allocated(error)) return
+         if (.not. found) exit
+         if (mod(walk%n_pair - 1, step) /= 0) cycle
+         n = 1 + (walk%n_pair - 1)/step
+         do i = 1, size(channel)
+            x(n, i) = walk%x(list(channel(i))%ref_at + comp(i) - 1)
+            y(n, i) = walk%y(list(channel(i))%run_at + comp(i) - 1)
+         end do
+      end do
+      do i = 1, size(channel)
+         call rate_iso18571(x(:, i), y(:, i), rating)
+         associate (m => list(channel(i))%metric)
+            m(M_ISO_Z, comp(i)) = rating%corridor
+            m(M_ISO_P, comp(i)) = rating%phase
+            m(M_ISO_M, comp(i)) = rating%magnitude
+            m(M_ISO_S, comp(i)) = rating%slope
+            m(M_ISO, comp(i)) = rating%overall
+         end associate
+      end do
+   end subroutine rate_curves
 
 end module kj_diff

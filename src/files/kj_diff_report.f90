@@ -9,7 +9,7 @@ module kj_diff_report
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
    use kj_words, only: buffer_t, add, short, short_time, escaped
    use kj_json_writer, only: json_member, json_pair, json_text, json_reals, comma
-   use kj_history, only: text_t
+   use kj_text, only: text_t
    implicit none
    private
 

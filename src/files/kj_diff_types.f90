@@ -2,7 +2,8 @@
 module kj_diff_types
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_INPUT
-   use kj_history, only: text_t
+   use kj_number, only: parse_real, NUMBER_FINE
+   use kj_text, only: text_t
    use kj_metrics, only: metrics
    implicit none
    private
@@ -17,7 +18,7 @@ module kj_diff_types
       logical :: bitwise         !! equal bits wanted; rtol has no part in it
    end type profile_t
 
-   type(profile_t), parameter, public :: profiles(*) = [ &
+   type(profile_t), parameter :: profiles(*) = [ &
       profile_t('exact',    0.0_wp,     .true.),  &
       profile_t('repeat',   1.0e-12_wp, .false.), &
       profile_t('parity',   1.0e-7_wp,  .false.), &
@@ -114,37 +115,16 @@ contains
       type(diff_options_t), intent(inout) :: options
       type(error_t), allocatable, intent(out) :: error
 
-      integer :: colon
-      logical :: ok(2)
+      integer :: colon, status(2)
 
       colon = index(text, ':')
-      ok = .false.
-      if (colon > 1) then
-         call read_number(text(:colon - 1), options%window(1), ok(1))
-         call read_number(text(colon + 1:), options%window(2), ok(2))
-      end if
-      options%has_window = all(ok)
-      if (all(ok)) options%has_window = options%window(1) <= options%window(2)
+      call parse_real(text(:colon - 1), options%window(1), status(1))
+      call parse_real(text(colon + 1:), options%window(2), status(2))
+      options%has_window = all(status == NUMBER_FINE) .and. &
+         options%window(1) <= options%window(2)
       if (.not. options%has_window) call fail(error, ERR_INPUT, &
          'a window is two times T0:T1 with T0 <= T1, not "'//text//'"')
    end subroutine set_window
-
-   !> A real of digits, sign, point and exponent alone
-   subroutine read_number(text, value, ok)
-      character(len=*), intent(in) :: text
-      real(wp), intent(out) :: value
-      logical, intent(out) :: ok
-
-      character(len=20) :: form
-      integer :: status
-
-      value = 0.0_wp
-      ok = len(text) > 0 .and. verify(text, '+-.0123456789eEdD') == 0
-      if (.not. ok) return
-      write (form, '(a,i0,a)') '(f', len(text), '.0)'
-      read (text, form, iostat=status) value
-      ok = status == 0
-   end subroutine read_number
 
    !> Compared by angle, as one number
    pure logical function is_quaternion(channel)

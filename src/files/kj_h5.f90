@@ -1,6 +1,5 @@
 !> HDF5 files, groups, links and attributes in the few forms that the history layout needs.
-!> Only this module, kj_h5_data, kj_h5_fixed, kj_h5_chunk with kj_packer.c, kj_h5_read and
-!> kj_h5_attributes use the HDF5 library.
+!> Only this module, kj_h5_write, kj_h5_chunk with kj_packer.c and kj_h5_read use the HDF5 library.
 !>
 !> Every procedure takes `error` inout and does nothing once it is set, so that a row of calls
 !> needs one test. What a procedure opens it closes, on errors too; a file is closed together
@@ -23,7 +22,7 @@ module kj_h5
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_channels, only: AS_F64, AS_I64, AS_I32, AS_I8
-   use kj_history, only: text_t
+   use kj_text, only: text_t
    implicit none
    private
 

@@ -1,29 +1,239 @@
-!> The layout of a history file: every group, dataset, scale and attribute but those of /run.
-!> The rows come later, through kj_sink_h5.
+!> The layout of a history file: every group, dataset, scale and attribute but those of /run. The
+!> rows come later, through kj_sink_h5.
+!> One file: the layout of the file can be read from the root down to the labels.
 module kj_h5_layout
    use kj_kinds, only: wp
-   use kj_error, only: error_t
-   use kj_version, only: KJOINT_VERSION
-   use kj_sha256, only: sha256_t, add_text, digest_of
+   use kj_error, only: error_t, str
    use kj_utf8, only: as_utf8, is_plain
-   use kj_units, only: unit_text
-   use kj_channels, only: channels, groups, sampled_at, OF_RUN, OF_JOINT, OF_SPRING, AS_F64, &
-      AS_I32, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
-   use kj_history, only: history_t, variable_t, text_t
-   use kj_h5, only: hid_t, create_group, close_object, has_link, link_to, put_text, put_texts, &
+   use kj_units, only: unit_text, D_NUMBER, D_MASS, D_INERTIA
+   use kj_joint_types, only: joint_types, find_joint_type, DOF_NAME
+   use kj_channels, only: channels, groups, OF_JOINT, OF_SPRING, AS_F64, AS_I32, sampled_at, &
+      OF_RUN, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
+   use kj_history, only: history_t, n_entity, variable_t
+   use kj_text, only: text_t
+   use kj_h5, only: hid_t, close_object, put_text, create_group, has_link, link_to, put_texts, &
       put_number, put_numbers
-   use kj_h5_data, only: create_series, make_scale, attach_scale
-   use kj_h5_fixed, only: write_text
-   use kj_h5_group, only: group_scope_t, n_entity, component_name, component_scale, write_scales, &
-      write_constants
+   use kj_h5_write, only: make_scale, attach_scale, write_numbers, write_texts, create_series, &
+      write_text
+   use kj_version, only: KJOINT_VERSION
+   use kj_sha256, only: add_text, digest_of, sha256_t
    implicit none
    private
 
    public :: write_layout, get_row_shape, entities_in_chunk
 
+   !> Meanings of the ids, labels and types of each kind of entity
+   character(len=14), parameter :: ID_OF(OF_JOINT:OF_SPRING) = [character(len=14) :: &
+      'spring element', 'rigid body', 'node', 'spring']
+   character(len=23), parameter :: LABEL_OF(OF_JOINT:OF_SPRING) = [character(len=23) :: &
+      'title of the part', 'title of the rigid body', 'name of the node', 'title of the part']
+
+   !> What the datasets of one group share
+   type :: group_scope_t
+      integer(hid_t) :: group = -1
+      integer(hid_t) :: time = -1, entity = -1                 !! the scales
+      integer(hid_t) :: axis = -1, quaternion = -1, axis6 = -1   !! those over components
+      character(len=:), allocatable :: coordinates                           !! @coordinates
+   end type group_scope_t
+
    integer, parameter :: MOST_CHUNK_BYTES = 256*1024
 
 contains
+
+   !> Name of the dimension over components
+   pure function component_name(n_comp) result(name)
+      integer, intent(in) :: n_comp
+      character(len=:), allocatable :: name
+
+      name = 'axis'
+      if (n_comp == 4) name = 'quaternion'
+      if (n_comp == 6) name = 'axis6'
+   end function component_name
+
+   !> Its scale
+   pure integer(hid_t) function component_scale(scope, n_comp) result(id)
+      type(group_scope_t), intent(in) :: scope
+      integer, intent(in) :: n_comp
+
+      id = scope%axis
+      if (n_comp == 4) id = scope%quaternion
+      if (n_comp == 6) id = scope%axis6
+   end function component_scale
+
+   !> Write the dimension scales of a group and leave them open
+   subroutine write_scales(scope, history, owner, error)
+      type(group_scope_t), intent(inout) :: scope
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(len=:), allocatable :: name
+      integer :: n
+
+      name = trim(groups(owner)%entity)
+      n = n_entity(history, owner)
+      call write_numbers(scope%group, name, AS_I32, [n], &
+         real(history%entity(owner)%id, wp), scope%entity, error)
+      call make_scale(scope%entity, name, error)
+      call put_text(scope%entity, 'units', '1', error)
+      call put_text(scope%entity, 'long_name', 'user id of the '//trim(ID_OF(owner)), error)
+      call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
+      if (has_variable(history, owner, 4)) call write_component_scale(scope%group, &
+         ['w', 'x', 'y', 'z'], 'component of the quaternion', scope%quaternion, error)
+      if (has_variable(history, owner, 6)) call write_component_scale(scope%group, DOF_NAME, &
+         'direction of the joint', scope%axis6, error)
+   end subroutine write_scales
+
+   !> A variable of this owner has n_comp components
+   pure logical function has_variable(history, owner, n_comp)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner, n_comp
+
+      has_variable = any(channels(history%variable%channel)%owner == owner .and. &
+         history%variable%n_comp == n_comp)
+   end function has_variable
+
+   !> Write the scale over components, a name each, and leave it open
+   subroutine write_component_scale(group, components, meaning, id, error)
+      integer(hid_t), intent(in) :: group
+      character(len=*), intent(in) :: components(:), meaning
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(text_t) :: names(size(components))
+      integer :: i
+
+      do i = 1, size(components)
+         names(i)%s = trim(components(i))
+      end do
+      call write_texts(group, component_name(size(components)), names, id, error)
+      call make_scale(id, component_name(size(components)), error)
+      call put_text(id, 'long_name', meaning, error)
+   end subroutine write_component_scale
+
+   !> Write labels and numbers of the entities; texts become @coordinates of the scope
+   subroutine write_constants(scope, history, owner, error)
+      type(group_scope_t), intent(inout) :: scope
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner                 !! OF_ constant
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(len=:), allocatable :: meaning
+      integer :: n, e
+
+      scope%coordinates = ''
+      associate (entity => history%entity(owner))
+         n = size(entity%id)
+         call write_labels(scope, 'label', entity%label, trim(LABEL_OF(owner)), error)
+         if (allocated(entity%type)) then
+            meaning = 'type of the property: 4 or 8'
+            if (owner == OF_JOINT) meaning = 'joint type number'
+            if (owner == OF_JOINT) call write_kinds(scope, entity%type, error)
+            call write_ids(scope, 'type', entity%type, meaning, error)
+         end if
+         if (allocated(entity%property)) &
+            call write_ids(scope, 'property', entity%property, 'user id of the property', error)
+         do e = 1, 2
+            if (allocated(entity%node)) call write_ids(scope, 'node'//str(e), entity%node(e, :), &
+               'user id of node '//str(e), error)
+         end do
+         do e = 1, 2
+            if (allocated(entity%body)) call write_ids(scope, 'body'//str(e), entity%body(e, :), &
+               'user id of the rigid body of node '//str(e)//', 0 = none', error)
+         end do
+         if (allocated(entity%main_node)) &
+            call write_ids(scope, 'main_node', entity%main_node, 'user id of the main node', error)
+         if (allocated(entity%mass)) call write_constant(scope, 'mass', [n], entity%mass, &
+            [scope%entity], unit_text(D_MASS, history%units), 'mass of the rigid body', error)
+         if (allocated(entity%inertia)) call write_constant(scope, 'inertia_principal', [3, n], &
+            reshape(entity%inertia, [3*n]), [scope%axis, scope%entity], &
+            unit_text(D_INERTIA, history%units), 'principal moments of inertia', error)
+         if (allocated(entity%axes)) call write_constant(scope, 'principal_axes', [3, 3, n], &
+            reshape(entity%axes, [9*n]), [scope%axis, scope%axis, scope%entity], &
+            unit_text(D_NUMBER, history%units), &
+            'principal axes at t = 0, a row each, global components', error)
+      end associate
+   end subroutine write_constants
+
+   !> Write the names of joint types
+   subroutine write_kinds(scope, type, error)
+      type(group_scope_t), intent(inout) :: scope
+      integer, intent(in) :: type(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(text_t), allocatable :: kind(:)
+      integer :: i, row
+
+      allocate (kind(size(type)))
+      do i = 1, size(kind)
+         kind(i)%s = ''
+         row = find_joint_type(type(i))
+         if (row > 0) kind(i)%s = trim(joint_types(row)%name)
+      end do
+      call write_labels(scope, 'kind', kind, 'kind of the joint', error)
+   end subroutine write_kinds
+
+   !> Write texts over the entities; they become coordinates of the group's variables
+   subroutine write_labels(scope, name, texts, meaning, error)
+      type(group_scope_t), intent(inout) :: scope
+      character(len=*), intent(in) :: name, meaning
+      type(text_t), allocatable, intent(in) :: texts(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(text_t), allocatable :: utf8(:)
+      integer(hid_t) :: id
+      integer :: i
+
+      if (.not. allocated(texts)) return
+      allocate (utf8(size(texts)))
+      do i = 1, size(texts)
+         utf8(i)%s = ''
+         if (allocated(texts(i)%s)) utf8(i)%s = as_utf8(texts(i)%s)
+      end do
+      call write_texts(scope%group, name, utf8, id, error)
+      call attach_scale(id, scope%entity, 1, 1, error)
+      call put_text(id, 'long_name', meaning, error)
+      call close_object(id, error)
+      if (len(scope%coordinates) > 0) scope%coordinates = scope%coordinates//' '
+      scope%coordinates = scope%coordinates//name
+   end subroutine write_labels
+
+   !> Write integers over the entities
+   subroutine write_ids(scope, name, values, meaning, error)
+      type(group_scope_t), intent(in) :: scope
+      character(len=*), intent(in) :: name, meaning
+      integer, intent(in) :: values(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: id
+
+      call write_numbers(scope%group, name, AS_I32, [size(values)], real(values, wp), id, error)
+      call attach_scale(id, scope%entity, 1, 1, error)
+      call put_text(id, 'units', '1', error)
+      call put_text(id, 'long_name', meaning, error)
+      call close_object(id, error)
+   end subroutine write_ids
+
+   !> Write reals over the entities
+   subroutine write_constant(scope, name, dims, values, scales, units, meaning, error)
+      type(group_scope_t), intent(in) :: scope
+      character(len=*), intent(in) :: name, units, meaning
+      integer, intent(in) :: dims(:)               !! Fortran order
+      real(wp), contiguous, intent(in) :: values(:)   !! (product(dims))
+      integer(hid_t), intent(in) :: scales(:)      !! of each dimension
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: id
+      integer :: i
+
+      call write_numbers(scope%group, name, AS_F64, dims, values, id, error)
+      do i = 1, size(dims)
+         call attach_scale(id, scales(i), i, size(dims), error)
+      end do
+      call put_text(id, 'units', units, error)
+      call put_text(id, 'long_name', meaning, error)
+      call close_object(id, error)
+   end subroutine write_constant
 
    !> Write everything that is known before the first row
    subroutine write_layout(file, history, n_chunk, series, error)

@@ -1,21 +1,24 @@
-!> Reading HDF5 datasets and names; the conventions are those of kj_h5. A file may
-!> hold anything, so every shape and type is tested before memory is asked for.
+!> Reading HDF5 datasets, names and attributes; the conventions are those of kj_h5. A file may hold
+!> anything, so every shape and type is tested before memory is asked for.
 module kj_h5_read
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_size_t, c_f_pointer, c_associated
-   use hdf5, only: hid_t, hsize_t, h5gopen_f, h5gget_info_f, h5dopen_f, h5dread_f, h5dget_space_f, &
+   use hdf5, only: hid_t, hsize_t, h5oopen_f, h5gget_info_f, h5dread_f, h5dget_space_f, &
       h5dget_type_f, h5dvlen_reclaim_f, h5lget_name_by_idx_f, h5screate_simple_f, h5sclose_f, &
       h5sselect_hyperslab_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_dims_f, &
       h5tclose_f, h5tis_variable_str_f, H5P_DEFAULT_F, H5S_SELECT_SET_F, H5T_NATIVE_DOUBLE, &
-      H5_INDEX_CRT_ORDER_F, H5_ITER_INC_F
+      H5_INDEX_CRT_ORDER_F, H5_ITER_INC_F, size_t, h5aopen_f, h5aopen_by_idx_f, h5aread_f, &
+      h5aclose_f, h5aexists_f, h5aget_num_attrs_f, h5aget_name_f, h5aget_type_f, h5aget_space_f, &
+      h5sget_simple_extent_npoints_f, h5tget_class_f, H5T_INTEGER_F, H5T_FLOAT_F
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
-   use kj_history, only: text_t
+   use kj_text, only: text_t
    use kj_h5, only: check, close_object, utf8_type
+   use, intrinsic :: iso_fortran_env, only: int64
    implicit none
    private
 
-   public :: open_group, open_dataset, get_shape, read_rows, read_numbers, read_texts
-   public :: get_link_names, copy_texts
+   public :: open_object, get_shape, read_rows, read_numbers, read_texts, &
+      get_link_names, get_text, get_numbers, get_facts
 
    interface
       integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
@@ -26,8 +29,8 @@ module kj_h5_read
 
 contains
 
-   !> Open a group
-   subroutine open_group(parent, name, id, error)
+   !> Open a group or dataset
+   subroutine open_object(parent, name, id, error)
       integer(hid_t), intent(in) :: parent
       character(len=*), intent(in) :: name
       integer(hid_t), intent(out) :: id
@@ -37,24 +40,9 @@ contains
 
       id = -1
       if (allocated(error)) return
-      call h5gopen_f(parent, name, id, status)
-      call check(status, 'open the group '//name, error)
-   end subroutine open_group
-
-   !> Open a dataset
-   subroutine open_dataset(parent, name, id, error)
-      integer(hid_t), intent(in) :: parent
-      character(len=*), intent(in) :: name
-      integer(hid_t), intent(out) :: id
-      type(error_t), allocatable, intent(inout) :: error
-
-      integer :: status
-
-      id = -1
-      if (allocated(error)) return
-      call h5dopen_f(parent, name, id, status)
-      call check(status, 'open the dataset '//name, error)
-   end subroutine open_dataset
+      call h5oopen_f(parent, name, id, status)
+      call check(status, 'open '//name, error)
+   end subroutine open_object
 
    !> Shape of a dataset in Fortran order, size 0 for a scalar
    subroutine get_shape(id, dims, error)
@@ -129,7 +117,7 @@ contains
       type(c_ptr) :: address
 
       values = 0.0_wp
-      call open_dataset(parent, name, id, error)
+      call open_object(parent, name, id, error)
       call get_shape(id, dims, error)
       if (.not. allocated(error)) then
          if (product(int(dims, hsize_t)) /= size(values)) then
@@ -159,7 +147,7 @@ contains
 
       allocate (texts(0))
       call utf8_type(utf8, error)
-      call open_dataset(parent, name, id, error)
+      call open_object(parent, name, id, error)
       call get_shape(id, dims, error)
       if (.not. allocated(error)) then
          variable_length = .false.
@@ -227,5 +215,173 @@ contains
       end if
       call check(status, 'read the names in a group', error)
    end subroutine get_link_names
+
+   !> Text of an attribute; empty when it is not there
+   subroutine get_text(id, name, text, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      character(len=:), allocatable, intent(out) :: text
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: attribute
+      logical :: exists
+      integer :: status, ignored
+
+      text = ''
+      if (allocated(error)) return
+      call h5aexists_f(id, name, exists, status)
+      if (status >= 0 .and. .not. exists) return
+      if (status >= 0) call h5aopen_f(id, name, attribute, status)
+      if (status >= 0) then
+         call get_attribute_text(attribute, text, status)
+         call h5aclose_f(attribute, ignored)
+      end if
+      call check(status, 'read the attribute '//name, error)
+   end subroutine get_text
+
+   !> Numbers of an attribute; not found when it is not there or holds another number of them
+   subroutine get_numbers(id, name, values, found, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      real(wp), contiguous, target, intent(inout) :: values(:)   !! unchanged unless found
+      logical, intent(out) :: found
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: attribute, space
+      integer(hsize_t) :: n
+      type(c_ptr) :: address
+      integer :: status, ignored
+
+      found = .false.
+      if (allocated(error)) return
+      call h5aexists_f(id, name, found, status)
+      if (status < 0) found = .false.
+      if (.not. found) return
+      n = 0
+      space = -1
+      call h5aopen_f(id, name, attribute, status)
+      if (status < 0) attribute = -1
+      if (status >= 0) call h5aget_space_f(attribute, space, status)
+      if (status >= 0) call h5sget_simple_extent_npoints_f(space, n, status)
+      found = n == size(values)
+      address = c_loc(values)
+      if (status >= 0 .and. found) call h5aread_f(attribute, H5T_NATIVE_DOUBLE, address, status)
+      if (space > 0) call h5sclose_f(space, ignored)
+      if (attribute > 0) call h5aclose_f(attribute, ignored)
+      call check(status, 'read the attribute '//name, error)
+   end subroutine get_numbers
+
+   !> Every attribute of an object as text, in the order of creation
+   subroutine get_facts(id, names, values, error)
+      integer(hid_t), intent(in) :: id
+      type(text_t), allocatable, intent(out) :: names(:), values(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(len=256) :: name
+      integer(hid_t) :: attribute
+      integer :: status, ignored, i, n
+
+      allocate (names(0), values(0))
+      if (allocated(error)) return
+      call h5aget_num_attrs_f(id, n, status)
+      if (status >= 0) then
+         deallocate (names, values)
+         allocate (names(n), values(n))
+         do i = 1, n
+            names(i)%s = ''
+            values(i)%s = ''
+            if (status < 0) cycle
+            call h5aopen_by_idx_f(id, '.', H5_INDEX_CRT_ORDER_F, H5_ITER_INC_F, &
+               int(i - 1, hsize_t), attribute, status)
+            if (status < 0) cycle
+            name = ''
+            call h5aget_name_f(attribute, len(name, size_t), name, status)
+            names(i)%s = trim(name)
+            if (status >= 0) call get_attribute_text(attribute, values(i)%s, status)
+            call h5aclose_f(attribute, ignored)
+         end do
+      end if
+      call check(status, 'read the attributes', error)
+   end subroutine get_facts
+
+   !> Value of an open attribute as text, several separated by blanks
+   subroutine get_attribute_text(attribute, text, status)
+      integer(hid_t), intent(in) :: attribute
+      character(len=:), allocatable, intent(out) :: text
+      integer, intent(out) :: status
+
+      integer(hid_t) :: stored, space
+      integer(hsize_t) :: n
+      integer :: type_class, ignored, i
+      logical :: variable_length
+      character(len=24) :: number
+      type(text_t), allocatable :: texts(:)
+      real(wp), allocatable, target :: values(:)
+      type(c_ptr) :: address
+
+      text = ''
+      n = 0
+      type_class = -1
+      space = -1
+      variable_length = .false.
+      call h5aget_type_f(attribute, stored, status)
+      if (status < 0) stored = -1
+      if (status >= 0) call h5tget_class_f(stored, type_class, status)
+      if (status >= 0) call h5tis_variable_str_f(stored, variable_length, status)
+      if (status >= 0) call h5aget_space_f(attribute, space, status)
+      if (status >= 0) call h5sget_simple_extent_npoints_f(space, n, status)
+      if (status >= 0 .and. variable_length) then
+         call read_attribute_texts(attribute, space, int(n), texts, status)
+         do i = 1, size(texts)
+            if (i > 1) text = text//' '
+            text = text//texts(i)%s
+         end do
+      else if (status >= 0 .and. (type_class == H5T_INTEGER_F .or. type_class == H5T_FLOAT_F)) then
+         allocate (values(n))
+         address = c_loc(values)
+         if (n > 0) call h5aread_f(attribute, H5T_NATIVE_DOUBLE, address, status)
+         do i = 1, size(values)
+            if (status < 0) exit
+            if (type_class == H5T_INTEGER_F) then
+               write (number, '(i0)') nint(values(i), int64)
+            else
+               write (number, '(es14.6)') values(i)
+            end if
+            if (i > 1) text = text//' '
+            text = text//trim(adjustl(number))
+         end do
+      end if
+      if (space > 0) call h5sclose_f(space, ignored)
+      if (stored > 0) call h5tclose_f(stored, ignored)
+   end subroutine get_attribute_text
+
+   !> Texts of an open attribute of variable-length strings
+   subroutine read_attribute_texts(attribute, space, n, texts, status)
+      integer(hid_t), intent(in) :: attribute, space
+      integer, intent(in) :: n
+      type(text_t), allocatable, intent(out) :: texts(:)
+      integer, intent(out) :: status
+
+      type(error_t), allocatable :: error
+      type(c_ptr), allocatable, target :: pointers(:)
+      type(c_ptr) :: address
+      integer(hid_t) :: utf8
+      integer :: ignored
+
+      allocate (pointers(n), texts(n))
+      call utf8_type(utf8, error)
+      address = c_loc(pointers)
+      status = -1
+      if (n == 0) status = 0
+      if (.not. allocated(error) .and. n > 0) call h5aread_f(attribute, utf8, address, status)
+      if (status >= 0) then
+         call copy_texts(pointers, texts)
+         if (n > 0) call h5dvlen_reclaim_f(utf8, space, H5P_DEFAULT_F, address, ignored)
+      else
+         deallocate (texts)
+         allocate (texts(0))
+      end if
+      if (utf8 > 0) call h5tclose_f(utf8, ignored)
+   end subroutine read_attribute_texts
 
 end module kj_h5_read

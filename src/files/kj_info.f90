@@ -5,10 +5,12 @@ module kj_info
    use kj_words, only: counted
    use kj_units, only: unit_text, D_TIME
    use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
-      CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, CH_FINAL
-   use kj_history, only: history_t, variable_t, text_t
-   use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
-      read_run_facts
+      CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, &
+      CH_FINAL, OF_JOINT, OF_SPRING
+   use kj_history, only: history_t, variable_t, n_entity
+   use kj_text, only: text_t
+   use kj_read_h5, only: read_run_facts, h5_reader_t, open_h5_history, read_h5_rows, &
+      close_h5_history
    implicit none
    private
 
@@ -159,20 +161,21 @@ contains
       type(text_t), intent(in) :: names(:), values(:)
       character(len=:), allocatable, intent(inout) :: text
 
+      character(len=10), parameter :: ONE(OF_JOINT:OF_SPRING) = [character(len=10) :: &
+         'joint', 'rigid body', 'node', 'spring']
+      character(len=12), parameter :: MANY(OF_JOINT:OF_SPRING) = [character(len=12) :: &
+         'joints', 'rigid bodies', 'nodes', 'springs']
       character(len=:), allocatable :: line, unit
-      integer :: i
+      integer :: i, owner
 
       unit = unit_text(D_TIME, history%units)
       call add_fact(text, 'units', trim(history%units%symbol(1))//', '// &
          trim(history%units%symbol(2))//', '//unit)
       line = ''
-      if (allocated(history%joint_id)) line = counted(size(history%joint_id), 'joint', 'joints')
-      if (allocated(history%body_id)) &
-         line = joined(line, ', ', counted(size(history%body_id), 'rigid body', 'rigid bodies'))
-      if (allocated(history%node_id)) &
-         line = joined(line, ', ', counted(size(history%node_id), 'node', 'nodes'))
-      if (allocated(history%spring_id)) &
-         line = joined(line, ', ', counted(size(history%spring_id), 'spring', 'springs'))
+      do owner = OF_JOINT, OF_SPRING
+         if (allocated(history%entity(owner)%id)) line = joined(line, ', ', &
+            counted(n_entity(history, owner), trim(ONE(owner)), trim(MANY(owner))))
+      end do
       call add_fact(text, 'holds', line)
       line = counted(survey%n_row, 'sample', 'samples')
       i = place_of(history, CH_TIME)

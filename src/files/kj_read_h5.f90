@@ -3,15 +3,13 @@
 module kj_read_h5
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
-   use kj_channels, only: channels, groups, OF_RUN, OF_JOINT, OF_BODY, OF_NODE, OF_SPRING, AT_T, &
-      CH_TIME
-   use kj_history, only: history_t, text_t, add_variable
+   use kj_channels, only: channels, groups, OF_RUN, OF_JOINT, OF_SPRING, AT_T
+   use kj_history, only: history_t, add_variable, n_entity
+   use kj_text, only: text_t
    use kj_h5, only: hid_t, start_hdf5, open_file, close_file, close_object, has_link
-   use kj_h5_read, only: open_group, open_dataset, get_shape, read_rows, read_numbers, read_texts, &
-      get_link_names
-   use kj_h5_attributes, only: get_text, get_numbers, get_facts
+   use kj_h5_read, only: open_object, get_shape, read_rows, read_texts, &
+      get_link_names, get_text, get_numbers, get_facts, read_numbers
    use kj_h5_layout, only: get_row_shape
-   use kj_read_h5_group, only: read_entities
    implicit none
    private
 
@@ -118,7 +116,7 @@ contains
       allocate (names(0), values(0))
       if (.not. has_link(reader%file, 'run')) return
       deallocate (names, values)
-      call open_group(reader%file, 'run', group, error)
+      call open_object(reader%file, 'run', group, error)
       call get_facts(group, names, values, error)
       call close_object(group, error)
    end subroutine read_run_facts
@@ -167,14 +165,14 @@ contains
       integer(hid_t) :: group, id
       integer :: i
 
-      call open_group(file, 'input', group, error)
+      call open_object(file, 'input', group, error)
       call get_link_names(group, history%input_name, error)
       if (.not. allocated(error)) then
          allocate (history%input_text(size(history%input_name)))
          allocate (history%input_role(size(history%input_name)))
          do i = 1, size(history%input_name)
             call read_texts(group, history%input_name(i)%s, text, error)
-            call open_dataset(group, history%input_name(i)%s, id, error)
+            call open_object(group, history%input_name(i)%s, id, error)
             call get_text(id, 'role', history%input_role(i)%s, error)
             call close_object(id, error)
             if (allocated(error)) exit
@@ -202,7 +200,7 @@ contains
       do row = 1, size(channels)
          if (allocated(error)) return
          owner = channels(row)%owner
-         n = entities_of(history, owner)
+         n = n_entity(history, owner)
          name = trim(channels(row)%name)
          if (owner /= OF_RUN) then
             if (n == 0) cycle
@@ -210,7 +208,7 @@ contains
             name = trim(groups(owner)%path)//'/'//name
          end if
          if (.not. has_link(reader%file, name)) cycle
-         call open_dataset(reader%file, name, id, error)
+         call open_object(reader%file, name, id, error)
          allocate (longer(size(reader%series) + 1))
          longer(:size(reader%series)) = reader%series
          longer(size(longer)) = id
@@ -221,19 +219,6 @@ contains
          if (channels(row)%at /= AT_T .and. len(level) > 1) history%legacy = .true.
       end do
    end subroutine find_variables
-
-   !> Number of entities of an owner, 1 for the run itself
-   pure integer function entities_of(history, owner) result(n)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: owner
-
-      n = 0
-      if (owner == OF_RUN) n = 1
-      if (owner == OF_JOINT .and. allocated(history%joint_id)) n = size(history%joint_id)
-      if (owner == OF_BODY .and. allocated(history%body_id)) n = size(history%body_id)
-      if (owner == OF_NODE .and. allocated(history%node_id)) n = size(history%node_id)
-      if (owner == OF_SPRING .and. allocated(history%spring_id)) n = size(history%spring_id)
-   end function entities_of
 
    !> Test the shape of the variable found last; rows count as far as every variable has them
    subroutine check_shape(reader, history, id, name, error)
@@ -256,5 +241,108 @@ contains
       end if
       call fail(error, ERR_FILE, 'the dataset '//name//' has another shape than expected')
    end subroutine check_shape
+
+   !> Read the entities of one group: ids, labels and constants, as far as they are there
+   subroutine read_entities(file, owner, history, error)
+      integer(hid_t), intent(in) :: file
+      integer, intent(in) :: owner
+      type(history_t), intent(inout) :: history
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: group, scale
+      real(wp), allocatable :: values(:)
+      integer, allocatable :: dims(:)
+      integer :: n
+
+      call open_object(file, trim(groups(owner)%path), group, error)
+      call open_object(group, trim(groups(owner)%entity), scale, error)
+      call get_shape(scale, dims, error)
+      call close_object(scale, error)
+      if (.not. allocated(error)) then
+         if (size(dims) /= 1) call fail(error, ERR_FILE, 'the scale of '// &
+            trim(groups(owner)%path)//' has no single dimension')
+      end if
+      if (.not. allocated(error)) then
+         n = dims(1)
+         associate (e => history%entity(owner))
+            call read_ids(group, trim(groups(owner)%entity), n, e%id, error)
+            call read_labels(group, n, e%label, error)
+            call read_ids(group, 'type', n, e%type, error)
+            call read_ids(group, 'property', n, e%property, error)
+            call read_pairs(group, 'node', n, e%node, error)
+            call read_pairs(group, 'body', n, e%body, error)
+            call read_ids(group, 'main_node', n, e%main_node, error)
+            call read_reals(group, 'mass', n, e%mass, error)
+            call read_reals(group, 'inertia_principal', 3*n, values, error)
+            if (allocated(values)) e%inertia = reshape(values, [3, n])
+            call read_reals(group, 'principal_axes', 9*n, values, error)
+            if (allocated(values)) e%axes = reshape(values, [3, 3, n])
+         end associate
+      end if
+      call close_object(group, error)
+   end subroutine read_entities
+
+   !> Read n reals; they stay unallocated when there is no such dataset
+   subroutine read_reals(group, name, n, values, error)
+      integer(hid_t), intent(in) :: group
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: n
+      real(wp), allocatable, intent(out) :: values(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(error)) return
+      if (.not. has_link(group, name)) return
+      allocate (values(n))
+      call read_numbers(group, name, values, error)
+   end subroutine read_reals
+
+   !> Read n integers; they stay unallocated when there is no such dataset
+   subroutine read_ids(group, name, n, ids, error)
+      integer(hid_t), intent(in) :: group
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: n
+      integer, allocatable, intent(out) :: ids(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      real(wp), allocatable :: values(:)
+
+      call read_reals(group, name, n, values, error)
+      if (.not. allocated(values)) return
+      allocate (ids(n))
+      ids(:) = nint(min(max(values, -real(huge(1), wp)), real(huge(1), wp)))
+   end subroutine read_ids
+
+   !> Read the two datasets `name`1 and `name`2 of integers into (2, n)
+   subroutine read_pairs(group, name, n, pairs, error)
+      integer(hid_t), intent(in) :: group
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: n
+      integer, allocatable, intent(out) :: pairs(:, :)
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer, allocatable :: first(:), second(:)
+
+      call read_ids(group, name//'1', n, first, error)
+      call read_ids(group, name//'2', n, second, error)
+      if (.not. allocated(first) .or. .not. allocated(second)) return
+      allocate (pairs(2, n))
+      pairs(1, :) = first
+      pairs(2, :) = second
+   end subroutine read_pairs
+
+   !> Read the labels; they stay unallocated when there are none
+   subroutine read_labels(group, n, labels, error)
+      integer(hid_t), intent(in) :: group
+      integer, intent(in) :: n
+      type(text_t), allocatable, intent(out) :: labels(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(error)) return
+      if (.not. has_link(group, 'label')) return
+      call read_texts(group, 'label', labels, error)
+      if (allocated(error)) return
+      if (size(labels) /= n) call fail(error, ERR_FILE, 'there are '//str(size(labels))// &
+         ' labels for '//str(n)//' entities')
+   end subroutine read_labels
 
 end module kj_read_h5

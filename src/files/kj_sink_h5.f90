@@ -3,7 +3,8 @@
 !> others. Where HDF5 is not thread-safe the caller writes, when the next chunk is full.
 !>
 !> The file grows under a name of its own beside `path` and takes that name at the first flush, so
-!> that an older history is lost only to a run that got going.
+!> that an older history is lost only to a run that got going. Room on the disk is held back for its
+!> end: HDF5 keeps some of its bookkeeping in memory until then.
 module kj_sink_h5
    use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options
    use kj_kinds, only: wp
@@ -16,12 +17,28 @@ module kj_sink_h5
    use kj_sink, only: sink_t
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
       create_group, put_text, put_number
-   use kj_reserve, only: take_reserve, give_reserve, NO_RESERVE
    use kj_h5_layout, only: write_layout
    use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
       finish_background, write_buffer, write_rows
+   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char
    implicit none
    private
+
+   integer, parameter :: NO_RESERVE = -1
+   integer(c_long), parameter :: BYTES = 2*1024*1024
+
+   interface
+      integer(c_int) function kj_reserve_take(name, bytes) bind(c)
+         import :: c_int, c_long, c_char
+         character(kind=c_char), intent(in) :: name(*)
+         integer(c_long), value, intent(in) :: bytes
+      end function kj_reserve_take
+
+      subroutine kj_reserve_give(file) bind(c)
+         import :: c_int
+         integer(c_int), value, intent(in) :: file
+      end subroutine kj_reserve_give
+   end interface
 
    !> A history file under way, or none (file < 0)
    type, extends(sink_t), public :: sink_h5_t
@@ -351,5 +368,21 @@ contains
          call take_name(self, error)
       end if
    end subroutine close_h5
+
+   !> Hold room by a file whose path is free again on return; NO_RESERVE where there is none
+   subroutine take_reserve(path, reserve)
+      character(len=*), intent(in) :: path
+      integer, intent(out) :: reserve
+
+      reserve = int(kj_reserve_take(path//c_null_char, BYTES))
+   end subroutine take_reserve
+
+   !> Give it back, if there is any
+   subroutine give_reserve(reserve)
+      integer, intent(inout) :: reserve
+
+      call kj_reserve_give(int(reserve, c_int))
+      reserve = NO_RESERVE
+   end subroutine give_reserve
 
 end module kj_sink_h5

@@ -10,8 +10,8 @@ module kj_t01_file
    implicit none
    private
 
-   public :: t01_file_t, open_t01_file, read_record, read_real_record, skip_record, read_length, &
-      decode_reals, decode_length, broken, close_t01_file
+   public :: t01_file_t, open_t01_file, read_record, read_real_record, skip_record, decode_reals, &
+      decode_length, broken, close_t01_file
 
    integer, parameter, public :: MARK = 4          !! bytes of a record length
    integer, parameter, public :: NO_RECORD = -1    !! read_length at the end of the file

@@ -3,16 +3,12 @@
 module kj_history
    use kj_kinds, only: wp
    use kj_units, only: unit_system_t
-   use kj_channels, only: channels
+   use kj_text, only: text_t
+   use kj_channels, only: channels, OF_RUN, OF_JOINT, OF_SPRING
    implicit none
    private
 
-   public :: history_t, variable_t, text_t, add_variable
-
-   !> A text of any length
-   type :: text_t
-      character(len=:), allocatable :: s
-   end type text_t
+   public :: history_t, entity_t, variable_t, n_entity, add_variable
 
    !> One dataset over time: n_entity series of n_comp numbers, component fastest
    type :: variable_t
@@ -21,6 +17,21 @@ module kj_history
       integer :: n_comp = 1
       integer :: first = 0      !! place in a row: first + (entity - 1) n_comp + comp - 1
    end type variable_t
+
+   !> The entities of one kind, ascending user id, and what is constant of them; what a file does
+   !> not tell, or this kind does not have, is not allocated
+   type :: entity_t
+      integer, allocatable :: id(:)
+      type(text_t), allocatable :: label(:)
+      ! joints and springs
+      integer, allocatable :: type(:), property(:)
+      integer, allocatable :: node(:, :), body(:, :)   !! (2, n) user ids of the ends, 0 = none
+      ! rigid bodies
+      integer, allocatable :: main_node(:)
+      real(wp), allocatable :: mass(:)
+      real(wp), allocatable :: inertia(:, :)           !! (3, n) principal
+      real(wp), allocatable :: axes(:, :, :)           !! (3, 3, n) columns: axes at t=0
+   end type entity_t
 
    !> What a history says once
    type :: history_t
@@ -31,48 +42,36 @@ module kj_history
       integer :: n_value = 0                         !! reals in a row
       integer :: n_expected = 0                      !! rows that will come, about; 0 = not known
       type(variable_t), allocatable :: variable(:)   !! time first
-      ! joints, ascending user id
-      integer, allocatable :: joint_id(:), joint_type(:), joint_property(:)
-      integer, allocatable :: joint_node(:, :), joint_body(:, :)        !! (2, n) user ids, 0 = none
-      type(text_t), allocatable :: joint_label(:)
-      ! rigid bodies, ascending user id
-      integer, allocatable :: body_id(:), body_main_node(:)
-      real(wp), allocatable :: body_mass(:), body_inertia(:, :)         !! (n), (3, n) principal
-      !> (3, 3, n) columns: axes at t=0
-      real(wp), allocatable :: body_axes(:, :, :)
-      type(text_t), allocatable :: body_label(:)
-      ! nodes, ascending user id
-      integer, allocatable :: node_id(:)
-      type(text_t), allocatable :: node_label(:)
-      ! springs, ascending user id
-      integer, allocatable :: spring_id(:), spring_type(:), spring_property(:)
-      integer, allocatable :: spring_node(:, :), spring_body(:, :)      !! (2, n) user ids, 0 = none
-      type(text_t), allocatable :: spring_label(:)
+      type(entity_t) :: entity(OF_JOINT:OF_SPRING)   !! by OF_ constant
       ! deck files: name, full text, role ("starter", "engine", "include")
       type(text_t), allocatable :: input_name(:), input_text(:), input_role(:)
    end type history_t
 
 contains
 
-   !> Append a variable of one channel for n_entity entities
-   subroutine add_variable(history, channel, n_entity)
+   !> Number of entities of an owner, 1 for the run itself
+   pure integer function n_entity(history, owner) result(n)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner               !! OF_ constant
+
+      n = merge(1, 0, owner == OF_RUN)
+      if (owner == OF_RUN) return
+      if (allocated(history%entity(owner)%id)) n = size(history%entity(owner)%id)
+   end function n_entity
+
+   !> Append a variable of one channel for n entities
+   subroutine add_variable(history, channel, n)
       type(history_t), intent(inout) :: history
-      integer, intent(in) :: channel, n_entity
+      integer, intent(in) :: channel, n
 
       type(variable_t) :: v
-      type(variable_t), allocatable :: longer(:)
-      integer :: n
 
       if (.not. allocated(history%variable)) allocate (history%variable(0))
       v%channel = channel
-      v%n_entity = n_entity
+      v%n_entity = n
       v%n_comp = channels(channel)%n_comp
       v%first = history%n_value + 1
-      n = size(history%variable)
-      allocate (longer(n + 1))
-      longer(:n) = history%variable
-      longer(n + 1) = v
-      call move_alloc(longer, history%variable)
+      history%variable = [history%variable, v]
       history%n_value = history%n_value + v%n_entity*v%n_comp
    end subroutine add_variable
 

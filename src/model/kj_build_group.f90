@@ -2,6 +2,7 @@
 !>
 !> A group is a list of nodes that grows, loses members, and ends sorted. What its ids stand for is
 !> a row of `kinds`: those of a /GRNOD, and the clauses of a /SET/GENERAL.
+!> One file: groups, sets and boxes name each other, and fill the same lists.
 module kj_build_group
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING

@@ -1,5 +1,6 @@
 !> Cards -> model: what acts on nodes: boundary conditions, gravity, concentrated loads, imposed
 !> motion, initial velocities.
+!> One file: loads, conditions, motions and velocities share sensors and scales.
 module kj_build_load
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING

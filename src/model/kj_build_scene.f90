@@ -6,7 +6,7 @@ module kj_build_scene
    use kj_sort, only: new_lookup, find, lookup_t
    use kj_keywords, only: KW_NODE, KW_ADMAS, KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_ANALY, &
       KW_RANDOM, KW_PART, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_MAT_VOID, &
-      KW_OTHER, keywords
+      keywords
    use kj_deck_text, only: deck_t, report_header
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
       report_row, row_of
@@ -263,7 +263,7 @@ contains
 
       is_material = .false.
       do i = 1, deck%n_block
-         if (deck%block(i)%keyword /= KW_OTHER .or. deck%block(i)%row == 0) cycle
+         if (deck%block(i)%row == 0) cycle
          is_material(i) = keywords(deck%block(i)%row)%name == '/MAT'
       end do
       list = pack([(i, i=1, deck%n_block)], is_material)

@@ -6,6 +6,7 @@
 !> the "leads": they carry mass and are integrated; secondary nodes follow.
 module kj_model
    use kj_kinds, only: wp
+   use kj_text, only: text_t
    use kj_units, only: unit_system_t
    use kj_curve, only: curve_set_t
    use kj_joint_batch, only: joint_batch_t
@@ -13,12 +14,7 @@ module kj_model
    implicit none
    private
 
-   public :: model_t, skew_set_t, name_t
-
-   !> A title of the deck
-   type :: name_t
-      character(len=:), allocatable :: s
-   end type name_t
+   public :: model_t, skew_set_t
 
    !> Skew axes; index 0 is the global frame
    type :: skew_set_t
@@ -118,14 +114,14 @@ module kj_model
       real(wp), allocatable :: principal(:, :)     !! (n_body, 3) inertia, descending
       real(wp), allocatable :: axes(:, :)          !! (n_body, 9) principal axes, columns, W
       integer, allocatable :: ispher(:)            !! (n_body)
-      type(name_t), allocatable :: body_name(:)
+      type(text_t), allocatable :: body_name(:)
       ! everything else
       type(skew_set_t) :: skews
       type(curve_set_t) :: curves
       type(joint_batch_t), allocatable :: batch(:)
       !> (n_element) joints in deck order, then springs in deck order
       type(joint_ref_t), allocatable :: joint(:)
-      type(name_t), allocatable :: joint_name(:)   !! (n_element) title of the part
+      type(text_t), allocatable :: joint_name(:)   !! (n_element) title of the part
       type(lead_map_t) :: map
       type(bcs_t), allocatable :: bcs(:)
       type(load_t), allocatable :: gravity(:), cload(:)
@@ -133,7 +129,7 @@ module kj_model
       ! what the history holds, ascending user id: indices into joint(:), bodies, nodes
       integer, allocatable :: th_joint(:), th_spring(:), th_body(:), th_node(:)
       integer, allocatable :: th_node_skew(:)      !! skew index of each, 0 = global
-      type(name_t), allocatable :: th_node_name(:)
+      type(text_t), allocatable :: th_node_name(:)
    end type model_t
 
 end module kj_model

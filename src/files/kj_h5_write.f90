@@ -1,22 +1,85 @@
-!> Datasets of fixed shape: constants, labels and texts; the conventions are those of kj_h5.
-module kj_h5_fixed
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
-   use hdf5, only: hid_t, size_t, h5dcreate_f, h5dwrite_f, h5sclose_f, h5tclose_f, h5pcreate_f, &
-      h5pclose_f, h5pset_buffer_f, H5P_DATASET_CREATE_F, H5P_DATASET_XFER_F, H5T_NATIVE_DOUBLE
-   use kj_kinds, only: wp
+!> Writing HDF5 datasets: over time, and of fixed shape (constants, labels and texts); dimension
+!> scales. The conventions are those of kj_h5.
+module kj_h5_write
+   use hdf5, only: hid_t, hsize_t, h5dcreate_f, h5screate_simple_f, h5sclose_f, h5pclose_f, &
+      h5pset_chunk_f, h5pset_shuffle_f, h5pset_deflate_f, H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, &
+      size_t, h5dwrite_f, h5tclose_f, h5pcreate_f, h5pset_buffer_f, H5P_DATASET_XFER_F, &
+      H5T_NATIVE_DOUBLE
+   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
    use kj_error, only: error_t
-   use kj_history, only: text_t
-   use kj_h5, only: check, start_object, file_type, make_space, utf8_type, c_texts
+   use kj_h5, only: check, start_object, file_type, make_space, c_texts, utf8_type
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
+   use kj_kinds, only: wp
+   use kj_text, only: text_t
    implicit none
    private
 
-   public :: write_numbers, write_texts, write_text
+   public :: create_series, make_scale, attach_scale, write_numbers, write_texts, write_text
+
+   integer, parameter :: DEFLATE_LEVEL = 1
 
    !> Where values are converted. The library takes 1 MB and clears it for every dataset, which is a
    !> third of all work for a small history; here it has room for the values, up to that.
    integer(size_t), parameter :: LEAST_BUFFER = 1024, MOST_BUFFER = 1024*1024, VALUE_BYTES = 16
 
 contains
+
+   !> Create a dataset over time and leave it open: no rows yet, last dimension unlimited
+   subroutine create_series(parent, name, kind, dims, chunk, id, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: kind                  !! AS_ constant
+      integer, intent(in) :: dims(:)               !! of one row, e.g. [axes, entities], or none
+      integer, intent(in) :: chunk(:)              !! the same and rows
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: space, plist
+      integer(hsize_t) :: most(size(chunk))
+      integer :: status, ignored
+
+      id = -1
+      if (allocated(error)) return
+      space = -1
+      most = [int(dims, hsize_t), H5S_UNLIMITED_F]
+      call start_object(H5P_DATASET_CREATE_F, plist, status)
+      if (status >= 0) call h5pset_chunk_f(plist, size(chunk), int(chunk, hsize_t), status)
+      if (status >= 0) call h5pset_shuffle_f(plist, status)
+      if (status >= 0) call h5pset_deflate_f(plist, DEFLATE_LEVEL, status)
+      if (status >= 0) call h5screate_simple_f(size(chunk), &
+         [int(dims, hsize_t), 0_hsize_t], space, status, most)
+      if (status >= 0) call h5dcreate_f(parent, name, file_type(kind), space, id, status, plist)
+      if (space > 0) call h5sclose_f(space, ignored)
+      if (plist > 0) call h5pclose_f(plist, ignored)
+      call check(status, 'create the dataset '//name, error)
+   end subroutine create_series
+
+   !> Make a dataset the scale of a dimension
+   subroutine make_scale(id, name, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      if (allocated(error)) return
+      call h5dsset_scale_f(id, status, name)
+      call check(status, 'make '//name//' a dimension scale', error)
+   end subroutine make_scale
+
+   !> Label one dimension of a dataset by a scale. The library counts in file order (1 = slowest),
+   !> this procedure in Fortran order (1 = fastest).
+   subroutine attach_scale(id, scale, dim, rank, error)
+      integer(hid_t), intent(in) :: id, scale
+      integer, intent(in) :: dim, rank
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      if (allocated(error)) return
+      call h5dsattach_scale_f(id, scale, rank - dim + 1, status)
+      call check(status, 'attach a dimension scale', error)
+   end subroutine attach_scale
 
    !> Create a dataset of constant numbers and leave it open
    subroutine write_numbers(parent, name, kind, dims, values, id, error)
@@ -113,4 +176,4 @@ contains
       call check(status, 'write the dataset '//name, error)
    end subroutine create_fixed
 
-end module kj_h5_fixed
+end module kj_h5_write
