@@ -97,7 +97,7 @@ contains
          end do
          if (size(plan%kind) > n) cycle
          call fail(error, ERR_INPUT, 'there is no joint, spring, body or node '//str(ids(i)))
-         error%hint = 'there are '//known_ids(model)
+         call tell_ids(model, error%hint)
          return
       end do
       plan%first = first
@@ -113,12 +113,12 @@ contains
       end subroutine add
    end subroutine plan_trace
 
-   !> 'joints 901, 902; bodies 1; nodes 100, 101'
-   function known_ids(model) result(text)
+   !> 'there are joints 901, 902; bodies 1; nodes 100, 101'
+   subroutine tell_ids(model, text)
       type(model_t), intent(in) :: model
-      character(len=:), allocatable :: text
+      character(len=:), allocatable, intent(out) :: text
 
-      text = ''
+      text = 'there are'
       call add('joints', model%joint(:model%n_joint)%id)
       call add('springs', model%joint(model%n_joint + 1:model%n_element)%id)
       call add('bodies', model%body_id)
@@ -134,14 +134,14 @@ contains
          integer :: i
 
          if (size(ids) == 0) return
-         if (len(text) > 0) text = text//'; '
-         text = text//name//' '//str(ids(1))
+         if (len(text) > len('there are')) text = text//';'
+         text = text//' '//name//' '//str(ids(1))
          do i = 2, min(MOST, size(ids))
             text = text//', '//str(ids(i))
          end do
          if (size(ids) > MOST) text = text//' and '//str(size(ids) - MOST)//' more'
       end subroutine add
-   end function known_ids
+   end subroutine tell_ids
 
    !> This cycle is one of those asked for
    pure logical function is_traced(plan, cycle) result(traced)
