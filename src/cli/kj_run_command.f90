@@ -10,8 +10,8 @@ module kj_run_command
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_trace_command, only: tracer_t, start_trace, end_trace
-   use kj_progress, only: start_progress, end_progress, limiter, percent, rate, &
-      SHOW_NOTHING, SHOW_STATUS, SHOW_LISTING
+   use kj_progress, only: start_progress, end_progress, limiter, percent, rate, SHOW_NOTHING, &
+      SHOW_STATUS, SHOW_LISTING
    use kj_sink_h5, only: sink_h5_t
    use kjoint, only: simulation_t, run_options_t, run_status_t, load_simulation, run_simulation, &
       simulation_title, default_output

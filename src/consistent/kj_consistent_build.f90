@@ -2,8 +2,7 @@
 !> One file: constants and first state come from the same cards, in one order.
 module kj_consistent_build
    use kj_kinds, only: wp
-   use kj_team, only: new_team
-   use kj_plan, only: new_plan, plan_of_leads
+   use kj_schedule, only: new_team, new_plan, plan_of_leads
    use kj_block, only: block_of, lane_of
    use kj_lead_map, only: SPAN, N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY

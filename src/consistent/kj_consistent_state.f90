@@ -2,8 +2,7 @@
 !> at the same time t(n); the leads (bodies and free nodes) all have an attitude.
 module kj_consistent_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t
-   use kj_plan, only: plan_t
+   use kj_schedule, only: team_t, plan_t
    use kj_model, only: model_t
    use kj_joint_batch, only: joint_batch_t
    use kj_consistent_batch, only: consistent_joint_t

@@ -6,7 +6,7 @@ module kj_consistent_step
    use kj_block, only: BLOCK
    use kj_skew, only: move_skews
    use kj_lead_map, only: sum_part
-   use kj_plan, only: plan_t, DO_JOINTS, DO_PART, DO_LEADS
+   use kj_schedule, only: plan_t, DO_JOINTS, DO_PART, DO_LEADS
    use kj_consistent_springs, only: add_springs
    use kj_consistent_dampers, only: add_dampers
    use kj_consistent_state, only: consistent_model_t, consistent_state_t

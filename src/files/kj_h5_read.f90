@@ -17,8 +17,8 @@ module kj_h5_read
    implicit none
    private
 
-   public :: open_object, get_shape, read_rows, read_numbers, read_texts, &
-      get_link_names, get_text, get_numbers, get_facts
+   public :: open_object, get_shape, read_rows, read_numbers, read_texts, get_link_names, &
+      get_text, get_numbers, get_facts
 
    interface
       integer(c_size_t) function c_strlen(text) bind(c, name='strlen')

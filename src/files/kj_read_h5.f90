@@ -7,8 +7,8 @@ module kj_read_h5
    use kj_history, only: history_t, add_variable, n_entity
    use kj_text, only: text_t
    use kj_h5, only: hid_t, start_hdf5, open_file, close_file, close_object, has_link
-   use kj_h5_read, only: open_object, get_shape, read_rows, read_texts, &
-      get_link_names, get_text, get_numbers, get_facts, read_numbers
+   use kj_h5_read, only: open_object, get_shape, read_rows, read_texts, get_link_names, get_text, &
+      get_numbers, get_facts, read_numbers
    use kj_h5_layout, only: get_row_shape
    implicit none
    private

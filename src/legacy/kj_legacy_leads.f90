@@ -4,7 +4,7 @@
 module kj_legacy_leads
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
-   use kj_team, only: MOST
+   use kj_schedule, only: MOST
    use kj_block, only: BLOCK
    use kj_model, only: model_t
    use kj_legacy_state, only: legacy_state_t, EPS20

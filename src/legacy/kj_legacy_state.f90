@@ -4,8 +4,7 @@
 !> t(n).
 module kj_legacy_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t, new_team
-   use kj_plan, only: plan_t, new_plan
+   use kj_schedule, only: team_t, new_team, plan_t, new_plan
    use kj_lead_map, only: SPAN, N_SUM, N_WRENCH
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_legacy_force, only: world_t

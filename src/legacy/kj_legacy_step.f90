@@ -8,7 +8,7 @@ module kj_legacy_step
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_legacy_state, only: legacy_state_t
    use kj_block, only: BLOCK
-   use kj_plan, only: DO_JOINTS, DO_PART, DO_LEADS
+   use kj_schedule, only: DO_JOINTS, DO_PART, DO_LEADS
    use kj_skew, only: move_skews
    use kj_legacy_force, only: add_joint_forces
    use kj_lead_map, only: sum_part
@@ -23,7 +23,7 @@ module kj_legacy_step
    public :: find_accelerations, advance, find_joint_forces
 
    abstract interface
-      !> A stage of the cycle for one piece of the joints or leads (kj_team)
+      !> A stage of the cycle for one piece of the joints or leads (kj_schedule)
       subroutine stage_i(model, state, piece)
          import :: model_t, legacy_state_t
          type(model_t), intent(in) :: model

@@ -14,8 +14,8 @@ module kj_draft
    implicit none
    private
 
-   public :: draft_t, sensor_t, group_t, elements_t, property_t, joint_t, blocks_of, &
-      find_blocks, reference, node_of, group_nodes, report_double_blocks, known_ids
+   public :: draft_t, sensor_t, group_t, elements_t, property_t, joint_t, blocks_of, find_blocks, &
+      reference, node_of, group_nodes, report_double_blocks, known_ids
 
    !> A set of nodes
    type :: group_t
