@@ -72,13 +72,16 @@ def citations():
 
 
 def names():
-    """Names of modules, or of the C interface, in documents that the source does not have."""
+    """Modules, names of the C interface and files in documents that the source does not have."""
     modules = {path.stem for path in (ROOT / "src").rglob("*.*")}
     header = (ROOT / "include" / "kjoint.h").read_text()
     for document in DOCUMENTS:
-        for name in sorted(set(re.findall(r"`(kj_\w+)(?:\.\w+)?`", document.read_text()))):
-            if name not in modules and name not in header:
+        quoted = sorted(set(re.findall(r"`([\w./]+)`", document.read_text())))
+        for name in quoted:
+            if name.startswith("kj_") and name.split(".")[0] not in modules and name not in header:
                 yield f"{document.name}: no {name}"
+            if re.match("(src|tests|tools|docs|python|include)/[a-z_0-9./]+$", name) and not (ROOT / name).exists():
+                yield f"{document.name}: no file {name}"
 
 
 def plots(work):
