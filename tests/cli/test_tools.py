@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Tests of the project's own tools: check_style.py finds what it promises, pf2f90.py refuses what
 pFUnit or the project does not allow."""
+import contextlib
+import io
 import os
 import pathlib
 import re
@@ -10,6 +12,8 @@ import tempfile
 import unittest
 
 SOURCE = pathlib.Path(os.environ.get("KJOINT_SOURCE_DIR", pathlib.Path(__file__).parents[2]))
+sys.path.insert(0, str(SOURCE / "tools"))
+import check_style
 
 GOOD = """\
 !> A module that follows the guide.
@@ -47,8 +51,9 @@ end module kj_kinds
 
 
 class Style(unittest.TestCase):
-    def check(self, text, folder="base", name="kj_thing", listed=True, kinds=KINDS):
-        """Findings in a tree with this one module besides kj_kinds, without the file name."""
+    def check(self, text, folder="base", name="kj_thing", listed=True, kinds=KINDS,
+              other=None):
+        """Findings in a tree with this module, kj_kinds and perhaps kj_law, without the file name."""
         with tempfile.TemporaryDirectory() as tree:
             root = pathlib.Path(tree)
             for path, content in ((f"src/{folder}/{name}.f90", text),
@@ -58,12 +63,17 @@ class Style(unittest.TestCase):
             (root / "tests" / "unit").mkdir(parents=True)
             (root / "tests" / "CMakeLists.txt").write_text("")
             files = f"src/base/kj_kinds.f90 {f'src/{folder}/{name}.f90' if listed else ''}"
+            if other:
+                files += f" src/{other[0]}/kj_law.f90"
+                (root / "src" / other[0]).mkdir(exist_ok=True)
+                (root / "src" / other[0] / "kj_law.f90").write_text(other[1])
             (root / "CMakeLists.txt").write_text(files)
-            tool = SOURCE / "tools" / "check_style.py"
-            done = subprocess.run([sys.executable, tool, root], capture_output=True, text=True,
-                                  check=False)
-            found = [line.split(":", 1)[1] for line in done.stdout.splitlines() if ".f90:" in line]
-            self.assertEqual(1 if found else 0, done.returncode, done.stderr)
+            said = io.StringIO()
+            with contextlib.redirect_stdout(said):
+                code = check_style.main(root)
+            found = [line.split(":", 1)[1] for line in said.getvalue().splitlines()
+                     if ".f90:" in line]
+            self.assertEqual(1 if found else 0, code)
             return found
 
     def finds(self, wanted, text, **where):
@@ -106,6 +116,14 @@ class Style(unittest.TestCase):
             self.assertEqual([f"3: base uses kj_thing of the later folder {folder}"],
                              self.check(alone, folder=folder, kinds=kinds))
         self.finds("without a place in the order", GOOD, folder="attic")
+
+    def test_a_formulation_is_used_by_itself_and_by_api_alone(self):
+        for folder in ("legacy", "consistent"):
+            law = KINDS.replace("kj_kinds", "kj_law")
+            text = GOOD.replace("kj_kinds", "kj_law")
+            self.assertEqual([], self.check(text, folder="api", other=(folder, law)))
+            self.assertEqual([], self.check(text, folder=folder, other=(folder, law)))
+            self.finds(f"of the formulation {folder}", text, folder="history", other=(folder, law))
 
     def test_modules_that_use_each_other_are_a_circle(self):
         kinds = KINDS.replace("   implicit", "   use kj_thing, only: double\n   implicit")
