@@ -185,7 +185,7 @@ contains
                call see_element(model, copy, plan%index(i), t)
             case (TRACE_BODY)
                t%id = model%body_id(plan%index(i))
-               t%lead = [lead_now(model%model_t, copy, plan%index(i))]
+               call find_leads(model%model_t, copy, [plan%index(i)], t%lead)
             case (TRACE_NODE)
                call see_node(model, copy, plan%index(i), t)
             end select
@@ -204,8 +204,7 @@ contains
          associate (shown => scheme%now%joint(ref%batch))
             t%id = ref%id
             t%node = model%node_id(ref%node)
-            t%lead = [lead_now(model%model_t, scheme, model%lead(ref%node(1))), &
-               lead_now(model%model_t, scheme, model%lead(ref%node(2)))]
+            call find_leads(model%model_t, scheme, model%lead(ref%node), t%lead)
             t%frame = shown%e(i, :)
             t%q = shown%q(i, :)
             t%rate = shown%rate(i, :)
@@ -228,7 +227,7 @@ contains
 
       associate (lead => model%lead(node))
          t%id = model%node_id(node)
-         t%lead = [lead_now(model%model_t, scheme, lead)]
+         call find_leads(model%model_t, scheme, [lead], t%lead)
          associate (l => t%lead(1))
             t%position = node_place(model, scheme, node)
             if (.not. node_moves(model%model_t, scheme, node)) t%position = l%position + &
@@ -252,12 +251,26 @@ contains
          transpose(reshape(model%axes(body, :), [3, 3])))
    end function turn_of
 
-   !> A body or free node
-   function lead_now(model, scheme, i) result(lead)
+   !> Bodies or free nodes
+   subroutine find_leads(model, scheme, which, lead)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: scheme
+      integer, intent(in) :: which(:)            !! their indices
+      type(traced_lead_t), allocatable, intent(out) :: lead(:)
+
+      integer :: i
+
+      allocate (lead(size(which)))
+      do i = 1, size(which)
+         call find_lead(model, scheme, which(i), lead(i))
+      end do
+   end subroutine find_leads
+
+   subroutine find_lead(model, scheme, i, lead)
       type(model_t), intent(in) :: model
       type(scheme_t), intent(in) :: scheme
       integer, intent(in) :: i                   !! index of the lead
-      type(traced_lead_t) :: lead
+      type(traced_lead_t), intent(out) :: lead
 
       integer :: j, k
 
@@ -286,6 +299,6 @@ contains
          lead%joints = pack(model%joint%id, [(any(model%lead(model%joint(j)%node) == i), &
             j=1, model%n_element)])
       end associate
-   end function lead_now
+   end subroutine find_lead
 
 end module kj_trace
