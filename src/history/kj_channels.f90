@@ -50,21 +50,6 @@ module kj_channels
       character(len=60) :: meaning     !! @long_name
    end type channel_t
 
-   !> Rows of the channel table, in its order
-   integer, parameter, public :: &
-      CH_TIME = 1, CH_CYCLE = 2, CH_TIME_STEP = 3, CH_KE_TRANS = 4, CH_KE_ROT = 5, CH_IE = 6, &
-      CH_WORK = 7, CH_POTENTIAL = 8, CH_ENERGY_ERROR = 9, CH_MOM_X = 10, CH_MOM_Y = 11, &
-      CH_MOM_Z = 12, CH_ANG_X = 13, CH_ANG_Y = 14, CH_ANG_Z = 15, CH_MASS = 16, &
-      CH_OWNER_KIND = 17, CH_OWNER = 18, CH_FINAL = 19, CH_J_FORCE = 20, CH_J_MOMENT = 21, &
-      CH_J_DISP = 22, CH_J_ROT = 23, CH_J_VEL = 24, CH_J_ANGVEL = 25, CH_J_IE = 26, &
-      CH_J_ELASTIC = 27, CH_J_DISSIPATED = 28, CH_J_LENGTH = 29, CH_J_VIOL_T = 30, &
-      CH_J_VIOL_R = 31, CH_J_FRAME = 32, CH_J_ORTHO = 33, CH_J_STATE = 34, CH_J_FRICTION = 35, &
-      CH_J_GAP = 36, CH_J_GAP_ROT = 37, CH_B_POS = 38, CH_B_VEL = 39, CH_B_ANGVEL = 40, &
-      CH_B_ACC = 41, CH_B_ANGACC = 42, CH_B_FORCE = 43, CH_B_MOMENT = 44, CH_B_IMPULSE = 45, &
-      CH_B_ANGIMP = 46, CH_B_ROTSUM = 47, CH_B_ORIENT = 48, CH_B_KE = 49, CH_N_POS = 50, &
-      CH_N_DISP = 51, CH_N_VEL = 52, CH_N_ANGVEL = 53, CH_N_ACC = 54, CH_N_ANGACC = 55, &
-      CH_S_FORCE = 56, CH_S_MOMENT = 57, CH_S_DISP = 58, CH_S_ROT = 59, CH_S_IE = 60
-
    ! the same constants by short names, so that a row is one line
    integer, parameter :: RUN = OF_RUN, JOINT = OF_JOINT, BODY = OF_BODY, NODE = OF_NODE, &
       SPRING = OF_SPRING, &
@@ -133,6 +118,63 @@ module kj_channels
       channel_t(SPRING, 'displacement', 3, F64, LEN, 'displacement', J, T, 0, 'LX LY LZ', 'displacement of node 2 from node 1'), &
       channel_t(SPRING, 'rotation', 3, F64, ANGLE, 'rotation', J, T, 0, 'RX RY RZ', 'rotation of end 2 relative to end 1'), &
       channel_t(SPRING, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 0, 'IE', 'work done on the spring')]
+
+   !> Rows of the channel table, found by owner and name; 0 would be none
+   character(len=20), parameter :: N(*) = channels%name
+   logical, parameter :: OF_R(*) = channels%owner == RUN, OF_J(*) = channels%owner == JOINT, &
+      OF_B(*) = channels%owner == BODY, OF_N(*) = channels%owner == NODE, &
+      OF_S(*) = channels%owner == SPRING
+   integer, parameter, public :: &
+      CH_TIME = findloc(N, 'time', 1, OF_R), CH_CYCLE = findloc(N, 'cycle', 1, OF_R), &
+      CH_TIME_STEP = findloc(N, 'time_step', 1, OF_R), &
+      CH_KE_TRANS = findloc(N, 'kinetic_energy_trans', 1, OF_R), &
+      CH_KE_ROT = findloc(N, 'kinetic_energy_rot', 1, OF_R), &
+      CH_IE = findloc(N, 'internal_energy', 1, OF_R), &
+      CH_WORK = findloc(N, 'external_work', 1, OF_R), &
+      CH_POTENTIAL = findloc(N, 'potential_energy', 1, OF_R), &
+      CH_ENERGY_ERROR = findloc(N, 'energy_error', 1, OF_R), &
+      CH_MOM_X = findloc(N, 'momentum_x', 1, OF_R), CH_MOM_Y = findloc(N, 'momentum_y', 1, OF_R), &
+      CH_MOM_Z = findloc(N, 'momentum_z', 1, OF_R), &
+      CH_ANG_X = findloc(N, 'angular_momentum_x', 1, OF_R), &
+      CH_ANG_Y = findloc(N, 'angular_momentum_y', 1, OF_R), &
+      CH_ANG_Z = findloc(N, 'angular_momentum_z', 1, OF_R), &
+      CH_MASS = findloc(N, 'mass', 1, OF_R), &
+      CH_OWNER_KIND = findloc(N, 'time_step_owner_kind', 1, OF_R), &
+      CH_OWNER = findloc(N, 'time_step_owner', 1, OF_R), CH_FINAL = findloc(N, 'final', 1, OF_R), &
+      CH_J_FORCE = findloc(N, 'force', 1, OF_J), CH_J_MOMENT = findloc(N, 'moment', 1, OF_J), &
+      CH_J_DISP = findloc(N, 'displacement', 1, OF_J), &
+      CH_J_ROT = findloc(N, 'rotation', 1, OF_J), CH_J_VEL = findloc(N, 'velocity', 1, OF_J), &
+      CH_J_ANGVEL = findloc(N, 'angular_velocity', 1, OF_J), &
+      CH_J_IE = findloc(N, 'internal_energy', 1, OF_J), &
+      CH_J_ELASTIC = findloc(N, 'elastic_energy', 1, OF_J), &
+      CH_J_DISSIPATED = findloc(N, 'dissipated_energy', 1, OF_J), &
+      CH_J_LENGTH = findloc(N, 'length', 1, OF_J), &
+      CH_J_VIOL_T = findloc(N, 'violation_trans', 1, OF_J), &
+      CH_J_VIOL_R = findloc(N, 'violation_rot', 1, OF_J), &
+      CH_J_FRAME = findloc(N, 'frame', 1, OF_J), &
+      CH_J_ORTHO = findloc(N, 'orthogonality', 1, OF_J), &
+      CH_J_STATE = findloc(N, 'state', 1, OF_J), &
+      CH_J_FRICTION = findloc(N, 'friction_energy', 1, OF_J), &
+      CH_J_GAP = findloc(N, 'gap', 1, OF_J), CH_J_GAP_ROT = findloc(N, 'gap_rot', 1, OF_J), &
+      CH_B_POS = findloc(N, 'position', 1, OF_B), CH_B_VEL = findloc(N, 'velocity', 1, OF_B), &
+      CH_B_ANGVEL = findloc(N, 'angular_velocity', 1, OF_B), &
+      CH_B_ACC = findloc(N, 'acceleration', 1, OF_B), &
+      CH_B_ANGACC = findloc(N, 'angular_acceleration', 1, OF_B), &
+      CH_B_FORCE = findloc(N, 'force', 1, OF_B), CH_B_MOMENT = findloc(N, 'moment', 1, OF_B), &
+      CH_B_IMPULSE = findloc(N, 'impulse', 1, OF_B), &
+      CH_B_ANGIMP = findloc(N, 'angular_impulse', 1, OF_B), &
+      CH_B_ROTSUM = findloc(N, 'rotation_sum', 1, OF_B), &
+      CH_B_ORIENT = findloc(N, 'orientation', 1, OF_B), &
+      CH_B_KE = findloc(N, 'kinetic_energy', 1, OF_B), &
+      CH_N_POS = findloc(N, 'position', 1, OF_N), &
+      CH_N_DISP = findloc(N, 'displacement', 1, OF_N), &
+      CH_N_VEL = findloc(N, 'velocity', 1, OF_N), &
+      CH_N_ANGVEL = findloc(N, 'angular_velocity', 1, OF_N), &
+      CH_N_ACC = findloc(N, 'acceleration', 1, OF_N), &
+      CH_N_ANGACC = findloc(N, 'angular_acceleration', 1, OF_N), &
+      CH_S_FORCE = findloc(N, 'force', 1, OF_S), CH_S_MOMENT = findloc(N, 'moment', 1, OF_S), &
+      CH_S_DISP = findloc(N, 'displacement', 1, OF_S), &
+      CH_S_ROT = findloc(N, 'rotation', 1, OF_S), CH_S_IE = findloc(N, 'internal_energy', 1, OF_S)
 
 contains
 
