@@ -14,7 +14,7 @@ module kj_host
    implicit none
    private
 
-   public :: joint_spec_t, joint_result_t, joint_set_t, host_vector, shear_angle
+   public :: joint_spec_t, joint_result_t, joint_set_t, host_vector, host_quaternion, shear_angle
 
    !> A joint as code describes it; what is not set keeps its default
    type :: joint_spec_t
@@ -70,7 +70,7 @@ module kj_host
       integer, allocatable :: shear_first(:)     !! (n_joint + 1) where those of a joint begin
       real(wp), allocatable :: shear0(:)         !! (n) angle of their first two directions at start
       real(wp), allocatable :: quat_own(:, :)    !! (n_lead, 4) principal axes in axes of the host
-      real(wp) :: h_last = 0.0_wp                !! step of the last call
+      real(wp) :: time = 0.0_wp, h_last = 0.0_wp !! time and step of the last call
       logical, allocatable :: warned(:)          !! (n_joint) of orthogonality
       type(consistent_model_t) :: model
       type(legacy_state_t) :: state                     !! legacy
@@ -93,6 +93,21 @@ contains
          y = a(:, node)
       end if
    end function host_vector
+
+   !> Unit quaternion w x y z of a host node; not finite where it has none
+   pure function host_quaternion(set, attitude, node) result(q)
+      type(joint_set_t), intent(in) :: set
+      real(wp), intent(in) :: attitude(:, :)
+      integer, intent(in) :: node
+      real(wp) :: q(4)
+
+      if (set%by_component) then
+         q = attitude(node, :)
+      else
+         q = attitude(:, node)
+      end if
+      q = q/norm2(q)
+   end function host_quaternion
 
    !> Angle between the directions from node 1 to nodes 2 and 3 [rad]; constant on a rigid body
    pure real(wp) function shear_angle(x) result(angle)

@@ -5,10 +5,11 @@ module kj_host_build
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_curve, only: add_curve
-   use kj_host, only: joint_spec_t, joint_set_t, host_vector
-   use kj_host_check, only: check_spec, check_shape, check_nodes
+   use kj_host, only: joint_spec_t, joint_set_t, host_vector, host_quaternion
+   use kj_host_check, only: check_spec, check_shape, check_nodes, check_attitude
    use kj_host_joints, only: set_joints, HELD
-   use kj_host_start, only: begin_state, columns_of, host_quaternion, check_attitude
+   use kj_host_scheme, only: begin_state
+   use kj_consistent_body, only: columns
    implicit none
    private
 
@@ -122,7 +123,7 @@ contains
       call check_open(set, error)
       if (.not. allocated(error)) call check_shape(set, x, 'x', error)
       if (.not. allocated(error)) call check_shape(set, inertia, 'inertia', error)
-      if (.not. allocated(error)) call check_attitude(set, .not. set%legacy, error, attitude)
+      if (.not. allocated(error)) call check_attitude(set, error, attitude)
       if (allocated(error)) return
       if (size(mass) /= set%n_host) then
          call fail(error, ERR_INPUT, 'the array mass has '//str(size(mass))// &
@@ -233,7 +234,7 @@ contains
             m%inertia(i) = minval(m%principal(i, :))
             m%axes(i, :) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
             if (present(attitude)) &
-               m%axes(i, :) = columns_of(host_quaternion(set, attitude, set%host(i)))
+               m%axes(i, :) = columns(host_quaternion(set, attitude, set%host(i)))
          end do
          if (.not. allocated(m%curves%id)) then
             allocate (m%curves%id(0), m%curves%x(0), m%curves%y(0))

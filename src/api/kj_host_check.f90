@@ -6,11 +6,12 @@ module kj_host_check
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_math3, only: cross
    use kj_joint_types, only: joint_types, find_joint_type, known_types, FRAME_CROSS
-   use kj_host, only: joint_spec_t, joint_set_t, host_vector
+   use kj_host, only: joint_spec_t, joint_set_t, host_vector, host_quaternion
+   use kj_host_scheme, only: follows_nodes
    implicit none
    private
 
-   public :: check_spec, check_shape, check_nodes, check_finite
+   public :: check_spec, check_shape, check_nodes, check_finite, check_attitude
 
 contains
 
@@ -46,8 +47,8 @@ contains
             return
          end if
       end do
-      if (set%legacy .and. any(spec%axis_node(:, 1) == 0) .and. spec%first_frame .or. &
-         set%legacy .and. any(spec%axis_node == 0) .and. joint_types(row)%frame == FRAME_CROSS) then
+      if (follows_nodes(set) .and. (any(spec%axis_node(:, 1) == 0) .and. spec%first_frame .or. &
+         any(spec%axis_node == 0) .and. joint_types(row)%frame == FRAME_CROSS)) then
          call fail(error, ERR_INPUT, joint// &
             'its frame follows axis nodes under the legacy formulation: give axis_node')
          return
@@ -163,5 +164,35 @@ contains
       if (ieee_is_finite(value) .and. value >= 0.0_wp) return
       call fail(error, ERR_INPUT, name//' is not a finite number of at least 0')
    end subroutine check_finite
+
+   !> Attitudes have the right shape, and are there when they must be
+   subroutine check_attitude(set, error, attitude)
+      type(joint_set_t), intent(in) :: set
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: attitude(:, :)
+
+      integer :: wanted(2), i
+
+      if (.not. present(attitude)) then
+         if (.not. follows_nodes(set)) call fail(error, ERR_INPUT, &
+            'the consistent formulation needs the attitudes of the carriers')
+         return
+      end if
+      wanted = [4, set%n_host]
+      if (set%by_component) wanted = wanted(2:1:-1)
+      if (any(shape(attitude) /= wanted)) then
+         call fail(error, ERR_INPUT, 'the array attitude is ('//str(size(attitude, 1))//', '// &
+            str(size(attitude, 2))//'), expected: ('//str(wanted(1))//', '//str(wanted(2))//')')
+         return
+      end if
+      if (.not. allocated(set%host)) return
+      do i = 1, set%model%n_lead
+         if (set%host(i) == 0) cycle
+         if (all(ieee_is_finite(host_quaternion(set, attitude, set%host(i))))) cycle
+         call fail(error, ERR_INPUT, 'attitude of node '//str(set%host(i))// &
+            ' is not a quaternion other than zero')
+         return
+      end do
+   end subroutine check_attitude
 
 end module kj_host_check

@@ -6,7 +6,8 @@ module kj_host_deck
    use kj_model, only: model_t
    use kj_kinds, only: wp
    use kj_host, only: joint_set_t
-   use kj_host_start, only: begin_state, check_attitude
+   use kj_host_check, only: check_attitude
+   use kj_host_scheme, only: begin_state, follows_nodes, refuse_automatic
    implicit none
    private
 
@@ -26,7 +27,6 @@ contains
       real(wp), intent(in), optional :: attitude(:, :)
 
       logical :: needed(model%n_node)
-      integer :: i
 
       if (size(node_id) /= set%n_host) then
          call fail(error, ERR_INPUT, 'the array node_id has '//str(size(node_id))// &
@@ -35,19 +35,13 @@ contains
       end if
       set%model%model_t = model
       call strip_loads(set%model%model_t)
-      call find_needed(set%model%model_t, set%legacy, needed)
+      call find_needed(set%model%model_t, follows_nodes(set), needed)
       call map_nodes(set, node_id, needed, error)
       if (allocated(error)) return
-      do i = 1, size(model%batch)
-         if (.not. (set%legacy .and. model%batch(i)%limited)) cycle
-         if (any(model%batch(i)%limit%automatic)) then
-            call fail(error, ERR_INPUT, 'a joint takes its stiffness from the first step of a '// &
-               'legacy run: give Kn in the deck')
-            return
-         end if
-      end do
+      call refuse_automatic(set, error)
+      if (allocated(error)) return
       call measured_skews(set)
-      call check_attitude(set, .not. set%legacy, error, attitude)
+      call check_attitude(set, error, attitude)
       if (.not. allocated(error)) call begin_state(set, error, attitude)
    end subroutine take_model
 
@@ -71,10 +65,10 @@ contains
       model%skews%needed = pack([(i, i=1, model%skews%n)], used(1:) .and. model%skews%dir > 0)
    end subroutine strip_loads
 
-   !> Nodes that the host must have: carriers; legacy: nodes of joints and of skews, too
-   pure subroutine find_needed(model, legacy, needed)
+   !> Nodes that the host must have: carriers, and what their frames follow
+   pure subroutine find_needed(model, ends, needed)
       type(model_t), intent(in) :: model
-      logical, intent(in) :: legacy
+      logical, intent(in) :: ends                !! nodes of joints and of skews, too
       logical, intent(out) :: needed(:)
 
       integer :: i
@@ -82,9 +76,9 @@ contains
       needed = .false.
       do i = 1, model%n_element
          needed(model%lead(model%joint(i)%node)) = .true.
-         if (legacy) needed(model%joint(i)%node) = .true.
+         if (ends) needed(model%joint(i)%node) = .true.
       end do
-      if (.not. legacy) return
+      if (.not. ends) return
       do i = 1, size(model%skews%needed)
          needed(model%skews%node(:, model%skews%needed(i))) = .true.
       end do

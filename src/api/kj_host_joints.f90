@@ -10,6 +10,7 @@ module kj_host_joints
    use kj_attach_joint, only: mean_frame
    use kj_skew, only: skew_axes
    use kj_host, only: joint_spec_t, joint_set_t
+   use kj_host_scheme, only: follows_nodes
    implicit none
    private
 
@@ -78,7 +79,7 @@ contains
          if (spec%axis_node(1, e) == 0) cycle
          s = s + 1
          joint%skew(e) = s
-         moving(s) = set%legacy .and. (property%frame == FRAME_CROSS .or. &
+         moving(s) = follows_nodes(set) .and. (property%frame == FRAME_CROSS .or. &
             property%frame == FRAME_FIRST .and. e == 1)
       end do
       call set_frame(set, property%frame, spec, joint, error)

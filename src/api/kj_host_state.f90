@@ -7,6 +7,7 @@ module kj_host_state
    use kj_block, only: block_of, lane_of
    use kj_consistent_batch, only: consistent_joint_t, rows_of
    use kj_host, only: joint_set_t
+   use kj_host_scheme, only: follows_nodes
    implicit none
    private
 
@@ -74,10 +75,9 @@ contains
          end if
       end associate
       tape%a = state(HEAD + 1:)
-      call pass_state(set, tape)
+      call pass_state(set%model%batch%n, set%state%joint, set%cs%joint, tape)
+      set%time = state(5)
       set%h_last = state(6)
-      if (set%legacy) set%state%time = state(5)
-      if (.not. set%legacy) set%cs%time = state(5)
    end subroutine restore_joints
 
    subroutine check_size(set, n, error)
@@ -98,12 +98,8 @@ contains
       integer, intent(in) :: n
       real(wp) :: a(HEAD)
 
-      real(wp) :: time
-
-      time = set%cs%time
-      if (set%legacy) time = set%state%time
-      a = [VERSION, merge(1.0_wp, 2.0_wp, set%legacy), real(set%model%n_joint, wp), real(n, wp), &
-         time, set%h_last]
+      a = [VERSION, merge(1.0_wp, 2.0_wp, follows_nodes(set)), real(set%model%n_joint, wp), &
+         real(n, wp), set%time, set%h_last]
    end function heading
 
    !> State of all batches onto the tape, or its size
@@ -113,31 +109,25 @@ contains
 
       type(legacy_joint_t), allocatable :: legacy(:)
       type(consistent_joint_t), allocatable :: consistent(:)
-      integer :: b
-
-      if (set%legacy) then
-         legacy = set%state%joint
-         do b = 1, size(legacy)
-            call pass_legacy(set%model%batch(b)%n, legacy(b), tape)
-         end do
-      else
-         consistent = set%cs%joint
-         do b = 1, size(consistent)
-            call pass_consistent(set%model%batch(b)%n, consistent(b), tape)
-         end do
-      end if
+      legacy = set%state%joint
+      consistent = set%cs%joint
+      call pass_state(set%model%batch%n, legacy, consistent, tape)
    end subroutine read_state
 
-   !> State of all batches off the tape
-   subroutine pass_state(set, tape)
-      type(joint_set_t), intent(inout) :: set
+   !> State of all batches onto the tape or off it; of one formulation there are none
+   subroutine pass_state(n, legacy, consistent, tape)
+      integer, intent(in) :: n(:)                !! joints of each batch
+      type(legacy_joint_t), intent(inout) :: legacy(:)
+      type(consistent_joint_t), intent(inout) :: consistent(:)
       type(tape_t), intent(inout) :: tape
 
       integer :: b
 
-      do b = 1, size(set%model%batch)
-         if (set%legacy) call pass_legacy(set%model%batch(b)%n, set%state%joint(b), tape)
-         if (.not. set%legacy) call pass_consistent(set%model%batch(b)%n, set%cs%joint(b), tape)
+      do b = 1, size(legacy)
+         call pass_legacy(n(b), legacy(b), tape)
+      end do
+      do b = 1, size(consistent)
+         call pass_consistent(n(b), consistent(b), tape)
       end do
    end subroutine pass_state
 

@@ -6,7 +6,7 @@ module kj_sample
    use kj_model, only: model_t
    use kj_snapshot, only: snapshot_t
    use kj_take, only: roster_t, new_roster, new_rosters
-   use kj_sample_joint, only: sample_joints, sample_springs
+   use kj_sample_joint, only: sample_joints
    use kj_sample_body, only: sample_bodies
    use kj_history, only: history_t, add_variable
    use kj_channels, only: channels, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_KE_TRANS, CH_KE_ROT, &
@@ -117,7 +117,7 @@ contains
          end do
       case (OF_SPRING)
          do i = 1, size(sampler%spring)
-            call sample_springs(now, channel, sampler%spring(i), y)
+            call sample_joints(model, now, channel, sampler%spring(i), y)
          end do
       case (OF_BODY)
          call sample_bodies(model, now, channel, sampler%body, sampler%orientation, y)

@@ -17,27 +17,27 @@ module kj_sample_joint
    implicit none
    private
 
-   public :: sample_joints, sample_springs
+   public :: sample_joints
 
 contains
 
-   !> A channel of the joints of a roster
+   !> A channel of the joints or springs of a roster
    subroutine sample_joints(model, now, channel, roster, y)
       type(model_t), intent(in) :: model
       type(snapshot_t), intent(in) :: now
       integer, intent(in) :: channel
       type(roster_t), intent(in) :: roster
-      real(wp), contiguous, intent(inout) :: y(:, :)     !! (components, joints of the history)
+      real(wp), contiguous, intent(inout) :: y(:, :)     !! (components, entities of the history)
 
       associate (b => model%batch(roster%batch), s => now%joint(roster%batch))
          select case (channel)
-         case (CH_J_FORCE); call take(s%f(:, 1:3), roster, y)
-         case (CH_J_MOMENT); call take(s%f(:, 4:6), roster, y)
-         case (CH_J_DISP); call take(s%q(:, 1:3), roster, y)
-         case (CH_J_ROT); call take(s%q(:, 4:6), roster, y)
+         case (CH_J_FORCE, CH_S_FORCE); call take(s%f(:, 1:3), roster, y)
+         case (CH_J_MOMENT, CH_S_MOMENT); call take(s%f(:, 4:6), roster, y)
+         case (CH_J_DISP, CH_S_DISP); call take(s%q(:, 1:3), roster, y)
+         case (CH_J_ROT, CH_S_ROT); call take(s%q(:, 4:6), roster, y)
          case (CH_J_VEL); call take(s%rate(:, 1:3), roster, y)
          case (CH_J_ANGVEL); call take(s%rate(:, 4:6), roster, y)
-         case (CH_J_IE); call take(s%energy, roster, y)
+         case (CH_J_IE, CH_S_IE); call take(s%energy, roster, y)
          case (CH_J_ELASTIC); call elastic_energies(model, b, s, roster, y)
          case (CH_J_DISSIPATED)
             call elastic_energies(model, b, s, roster, y)
@@ -59,24 +59,6 @@ contains
          end select
       end associate
    end subroutine sample_joints
-
-   !> A channel of the springs of a roster
-   subroutine sample_springs(now, channel, roster, y)
-      type(snapshot_t), intent(in) :: now
-      integer, intent(in) :: channel
-      type(roster_t), intent(in) :: roster
-      real(wp), contiguous, intent(inout) :: y(:, :)     !! (components, springs of the history)
-
-      associate (s => now%joint(roster%batch))
-         select case (channel)
-         case (CH_S_FORCE); call take(s%f(:, 1:3), roster, y)
-         case (CH_S_MOMENT); call take(s%f(:, 4:6), roster, y)
-         case (CH_S_DISP); call take(s%q(:, 1:3), roster, y)
-         case (CH_S_ROT); call take(s%q(:, 4:6), roster, y)
-         case (CH_S_IE); call take(s%energy, roster, y)
-         end select
-      end associate
-   end subroutine sample_springs
 
    !> Energy stored in the elastic laws of a joint: k q^2/2, or the integral of its curve; with
    !> stops, friction and lock

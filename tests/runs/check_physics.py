@@ -34,7 +34,7 @@ def check(name, value, limit):
 
 def run(kjoint, work, case, *options):
     path = work / f"{case}.h5"
-    deck = next((SOURCE / "tests").glob(f"parity*/{case}/{case}_0000.rad"))
+    deck = next((SOURCE / "tests").glob(f"parity*/{case}/{case}_0000.rad"), SOURCE / f"decks/{case}_0000.rad")
     with open(work / f"{case}.log", "w") as log:
         subprocess.run([kjoint, "run", deck, "-q", "-o", path, "--sample", "0", *options], check=True, stderr=log)
     return h5py.File(path)
@@ -158,6 +158,13 @@ def force_in_its_frame(file, name):
     check(f"{name}: 2 rad less how far it turned", 2.0 - abs(file["joint/rotation"][:]).max(), 0.0)
 
 
+def length_of_a_slider(file, name):
+    """Both nodes of the joint, fixed to bodies, stand at one place at the start: their distance is the displacement."""
+    length, moved = file["joint/length"][:, 0], np.linalg.norm(file["joint/displacement"][:, 0], axis=1)
+    check(f"{name}: length and displacement", abs(length - moved).max(), 1e-9 * moved.max())
+    check(f"{name}: a tenth less how far it went", 0.1 - moved.max(), 0.0)
+
+
 def main(kjoint, work):
     work = pathlib.Path(work)
     work.mkdir(parents=True, exist_ok=True)
@@ -175,6 +182,9 @@ def main(kjoint, work):
             warned_turn(file, f"{case} legacy", work / f"{case}.log")
     with run(kjoint, work, "SPH07") as file:   # equal springs: shown in the mean frame
         force_in_its_frame(file, "SPH07 consistent")
+    for formulation in ("consistent", "legacy"):
+        with run(kjoint, work, "translational_slider", "--formulation", formulation, "--until", "0.3") as file:
+            length_of_a_slider(file, f"slider {formulation}")
     last_row_of_a_stop(kjoint, work)
     steps_of_many(kjoint, work)
     with run(kjoint, work, "REV03") as file:
