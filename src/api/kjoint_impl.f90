@@ -13,6 +13,7 @@ submodule (kjoint) kjoint_impl
    use kj_sample, only: new_sampler
    use kj_scheme, only: choose_scheme, check_scene
    use kj_history, only: entity_t
+   use kj_shape, only: describe_shape
    implicit none
 
 contains
@@ -122,6 +123,7 @@ contains
          h%entity(OF_NODE)%id = m%node_id(m%th_node)
          h%entity(OF_NODE)%label = m%th_node_name
       end associate
+      call describe_shape(sim%model%model_t, sim%history%shape)
       call new_sampler(sim%model%model_t, sim%history, sim%sampler)
    end subroutine describe
 

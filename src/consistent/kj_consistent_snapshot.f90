@@ -227,6 +227,10 @@ contains
                shown%ortho = skewness(shown%e)
             end if
             call show_in_mean_frame(geometry%plain, shown%e, shown%q, shown%f, shown%rate)
+            do j = 1, batch%n
+               shown%x(j, :) = 0.5_wp*(place_node(model, state, batch%node(j, 1)) + &
+                  place_node(model, state, batch%node(j, 2)))
+            end do
             if (.not. is_spring(batch)) call show_lengths(batch%xl0, shown)
             if (geometry%shifted) shown%q(:, 4:6) = shown%q(:, 4:6) + batch%angle0
          end associate

@@ -5,7 +5,7 @@ module kj_h5_layout
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
    use kj_utf8, only: as_utf8, is_plain
-   use kj_units, only: unit_text, D_NUMBER, D_MASS, D_INERTIA
+   use kj_units, only: unit_text, D_NUMBER, D_LENGTH, D_MASS, D_INERTIA
    use kj_joint_types, only: joint_types, find_joint_type, DOF_NAME
    use kj_channels, only: channels, groups, OF_JOINT, OF_SPRING, AS_F64, AS_I32, sampled_at, &
       OF_RUN, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
@@ -33,6 +33,7 @@ module kj_h5_layout
       integer(hid_t) :: group = -1
       integer(hid_t) :: time = -1, entity = -1                 !! the scales
       integer(hid_t) :: axis = -1, quaternion = -1, axis6 = -1   !! those over components
+      integer(hid_t) :: principal = -1                         !! that over principal axes
       character(len=:), allocatable :: coordinates                           !! @coordinates
    end type group_scope_t
 
@@ -80,6 +81,13 @@ contains
       call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
       if (has_variable(history, owner, 4)) call write_component_scale(scope%group, &
          ['w', 'x', 'y', 'z'], 'component of the quaternion', scope%quaternion, error)
+      if (allocated(history%entity(owner)%axes)) then
+         call write_numbers(scope%group, 'principal', AS_I32, [3], [1.0_wp, 2.0_wp, 3.0_wp], &
+            scope%principal, error)
+         call make_scale(scope%principal, 'principal', error)
+         call put_text(scope%principal, 'units', '1', error)
+         call put_text(scope%principal, 'long_name', 'principal axis', error)
+      end if
       if (has_variable(history, owner, 6)) call write_component_scale(scope%group, DOF_NAME, &
          'direction of the joint', scope%axis6, error)
    end subroutine write_scales
@@ -149,7 +157,7 @@ contains
             reshape(entity%inertia, [3*n]), [scope%axis, scope%entity], &
             unit_text(D_INERTIA, history%units), 'principal moments of inertia', error)
          if (allocated(entity%axes)) call write_constant(scope, 'principal_axes', [3, 3, n], &
-            reshape(entity%axes, [9*n]), [scope%axis, scope%axis, scope%entity], &
+            reshape(entity%axes, [9*n]), [scope%axis, scope%principal, scope%entity], &
             unit_text(D_NUMBER, history%units), &
             'principal axes at t = 0, a row each, global components', error)
       end associate
@@ -266,6 +274,7 @@ contains
       do owner = OF_JOINT, OF_SPRING
          call write_group(file, root%time, history, owner, n_chunk, series, error)
       end do
+      if (allocated(history%shape%body)) call write_shape(file, history, error)
       call write_input(file, history, input, error)
    end subroutine write_layout
 
@@ -306,7 +315,7 @@ contains
       if (allocated(history%title)) call put_text(file, 'title', as_utf8(history%title), error)
       call put_text(file, 'source', 'kjoint '//KJOINT_VERSION, error)
       call put_number(file, 'kjoint_format_major', AS_I32, 1.0_wp, error)
-      call put_number(file, 'kjoint_format_minor', AS_I32, 0.0_wp, error)
+      call put_number(file, 'kjoint_format_minor', AS_I32, 1.0_wp, error)
       call put_text(file, 'unit_mass', trim(history%units%symbol(1)), error)
       call put_text(file, 'unit_length', trim(history%units%symbol(2)), error)
       call put_text(file, 'unit_time', trim(history%units%symbol(3)), error)
@@ -349,8 +358,60 @@ contains
       call close_object(scope%axis, error)
       call close_object(scope%quaternion, error)
       call close_object(scope%axis6, error)
+      call close_object(scope%principal, error)
       call close_object(scope%group, error)
    end subroutine write_group
+
+   !> Write the points and segments of the bodies, a group each: tables of their own
+   subroutine write_shape(file, history, error)
+      integer(hid_t), intent(in) :: file
+      type(history_t), intent(in) :: history
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(group_scope_t) :: scope
+
+      associate (s => history%shape)
+         if (size(s%body) == 0) return
+         call open_table('point', size(s%body))
+         call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
+         call write_ids(scope, 'body', s%body, 'user id of the rigid body', error)
+         call write_ids(scope, 'node', s%node, 'user id of the node', error)
+         call write_constant(scope, 'position', shape(s%point), reshape(s%point, &
+            [size(s%point)]), [scope%axis, scope%entity], unit_text(D_LENGTH, history%units), &
+            'from the centre of the body, in its axes: those of the world at t = 0', error)
+         call close_object(scope%axis, error)
+         call close_table()
+         if (size(s%segment, 2) == 0) return
+         call open_table('segment', size(s%segment, 2))
+         call write_ids(scope, 'point1', s%segment(1, :) - 1, 'first end, an index into /point', &
+            error)
+         call write_ids(scope, 'point2', s%segment(2, :) - 1, 'second end, an index into /point', &
+            error)
+         call close_table()
+      end associate
+
+   contains
+
+      !> A group with a scale of its name, which counts from 0
+      subroutine open_table(name, n)
+         character(len=*), intent(in) :: name
+         integer, intent(in) :: n
+
+         integer :: i
+
+         call create_group(file, name, scope%group, error)
+         call write_numbers(scope%group, name, AS_I32, [n], [(real(i, wp), i=0, n - 1)], &
+            scope%entity, error)
+         call make_scale(scope%entity, name, error)
+         call put_text(scope%entity, 'units', '1', error)
+         call put_text(scope%entity, 'long_name', 'index of the '//name, error)
+      end subroutine open_table
+
+      subroutine close_table()
+         call close_object(scope%entity, error)
+         call close_object(scope%group, error)
+      end subroutine close_table
+   end subroutine write_shape
 
    !> What a NeXus viewer shows first: force of joints, position of the others, else what there is
    subroutine put_signal(group, history, owner, error)

@@ -77,6 +77,7 @@ module kj_channels
       channel_t(RUN, 'time_step_owner_kind', 1, I8, NUM, 'flag', '', T, 0, '', 'kind of what limits the step'), &
       channel_t(RUN, 'time_step_owner', 1, I32, NUM, 'flag', '', T, 0, '', 'user id of what limits the step'), &
       channel_t(RUN, 'final', 1, I8, NUM, 'flag', '', T, 0, '', '1 on a last state after the last sample time'), &
+      channel_t(JOINT, 'position', 3, F64, LEN, 'displacement', W, T, 0, '', 'where the joint acts, midway between its nodes'), &
       channel_t(JOINT, 'force', 3, F64, FORCE, 'force', J, T, 2, 'FX FY FZ', 'joint force on node 1'), &
       channel_t(JOINT, 'moment', 3, F64, MOMENT, 'moment', J, T, 5, 'MX MY MZ', 'joint moment on node 1'), &
       channel_t(JOINT, 'displacement', 3, F64, LEN, 'displacement', J, T, 8, 'LX LY LZ', 'displacement of node 2 from node 1'), &
@@ -141,6 +142,7 @@ module kj_channels
       CH_MASS = findloc(N, 'mass', 1, OF_R), &
       CH_OWNER_KIND = findloc(N, 'time_step_owner_kind', 1, OF_R), &
       CH_OWNER = findloc(N, 'time_step_owner', 1, OF_R), CH_FINAL = findloc(N, 'final', 1, OF_R), &
+      CH_J_POS = findloc(N, 'position', 1, OF_J), &
       CH_J_FORCE = findloc(N, 'force', 1, OF_J), CH_J_MOMENT = findloc(N, 'moment', 1, OF_J), &
       CH_J_DISP = findloc(N, 'displacement', 1, OF_J), &
       CH_J_ROT = findloc(N, 'rotation', 1, OF_J), CH_J_VEL = findloc(N, 'velocity', 1, OF_J), &

@@ -8,7 +8,7 @@ module kj_history
    implicit none
    private
 
-   public :: history_t, entity_t, variable_t, n_entity, add_variable
+   public :: history_t, entity_t, shape_t, variable_t, n_entity, add_variable
 
    !> One dataset over time: n_entity series of n_comp numbers, component fastest
    type :: variable_t
@@ -33,6 +33,14 @@ module kj_history
       real(wp), allocatable :: axes(:, :, :)           !! (3, 3, n) columns: axes at t=0
    end type entity_t
 
+   !> Points of the rigid bodies, their centres among them, and segments that picture them
+   type :: shape_t
+      integer, allocatable :: body(:), node(:)         !! (n) user ids
+      !> (3, n) from the centre of gravity, in axes that the body carries: those of W at t = 0
+      real(wp), allocatable :: point(:, :)
+      integer, allocatable :: segment(:, :)            !! (2, segments) indices of points
+   end type shape_t
+
    !> What a history says once
    type :: history_t
       character(len=:), allocatable :: title
@@ -43,6 +51,7 @@ module kj_history
       integer :: n_expected = 0                      !! rows that will come, about; 0 = not known
       type(variable_t), allocatable :: variable(:)   !! time first
       type(entity_t) :: entity(OF_JOINT:OF_SPRING)   !! by OF_ constant
+      type(shape_t) :: shape                         !! not allocated where a file has none
       ! deck files: name, full text, role ("starter", "engine", "include")
       type(text_t), allocatable :: input_name(:), input_text(:), input_role(:)
    end type history_t

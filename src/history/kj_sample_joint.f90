@@ -10,10 +10,10 @@ module kj_sample_joint
    use kj_model, only: model_t
    use kj_snapshot, only: snapshot_t, shown_joints_t
    use kj_take, only: roster_t, take, take_block
-   use kj_channels, only: CH_J_FORCE, CH_J_MOMENT, CH_J_DISP, CH_J_ROT, CH_J_VEL, CH_J_ANGVEL, &
-      CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, CH_J_FRAME, &
-      CH_J_ORTHO, CH_J_STATE, CH_J_FRICTION, CH_J_GAP, CH_J_GAP_ROT, CH_S_FORCE, CH_S_MOMENT, &
-      CH_S_DISP, CH_S_ROT, CH_S_IE
+   use kj_channels, only: CH_J_POS, CH_J_FORCE, CH_J_MOMENT, CH_J_DISP, CH_J_ROT, CH_J_VEL, &
+      CH_J_ANGVEL, CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, &
+      CH_J_FRAME, CH_J_ORTHO, CH_J_STATE, CH_J_FRICTION, CH_J_GAP, CH_J_GAP_ROT, CH_S_FORCE, &
+      CH_S_MOMENT, CH_S_DISP, CH_S_ROT, CH_S_IE
    implicit none
    private
 
@@ -31,6 +31,7 @@ contains
 
       associate (b => model%batch(roster%batch), s => now%joint(roster%batch))
          select case (channel)
+         case (CH_J_POS); call take(s%x, roster, y)
          case (CH_J_FORCE, CH_S_FORCE); call take(s%f(:, 1:3), roster, y)
          case (CH_J_MOMENT, CH_S_MOMENT); call take(s%f(:, 4:6), roster, y)
          case (CH_J_DISP, CH_S_DISP); call take(s%q(:, 1:3), roster, y)

@@ -157,7 +157,7 @@ contains
       end do
    end subroutine show_joints
 
-   !> Distances of nodes, and the largest angles by which two axes miss a right angle
+   !> Places, distances of nodes, and the largest angles by which two axes miss a right angle
    pure subroutine show_lengths(batch, x, shown)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: x(:, :)            !! (n_node, 3)
@@ -168,6 +168,7 @@ contains
 
       do j = 1, batch%n
          associate (n1 => batch%node(j, 1), n2 => batch%node(j, 2), e => shown%e)
+            shown%x(j, :) = 0.5_wp*(x(n1, :) + x(n2, :))
             shown%length(j) = sqrt((x(n2, 1) - x(n1, 1))**2 + (x(n2, 2) - x(n1, 2))**2 + &
                (x(n2, 3) - x(n1, 3))**2)
             most = 0.0_wp

@@ -31,6 +31,7 @@ module kj_snapshot
       real(wp), allocatable :: energy(:)         !! (n) work done on the joint
       !> (n) of this what dampers and friction took; 0 under legacy, which does not tell it apart
       real(wp), allocatable :: dissipated(:)
+      real(wp), allocatable :: x(:, :)           !! (n, 3) midway between the two nodes, W
       real(wp), allocatable :: length(:)         !! (n) distance of the two nodes
       real(wp), allocatable :: ortho(:)          !! (n) loss of orthogonality of the frame [rad]
       ! of limited batches only
@@ -105,7 +106,8 @@ contains
       allocate (now%joint(size(model%batch)))
       do b = 1, size(model%batch)
          associate (n => model%batch(b)%n, s => now%joint(b))
-            allocate (s%e(n, 9), s%q(n, NDOF), s%rate(n, NDOF), s%f(n, NDOF), s%energy(n), &
+            allocate (s%x(n, 3), s%e(n, 9), s%q(n, NDOF), s%rate(n, NDOF), s%f(n, NDOF), &
+               s%energy(n), &
                s%dissipated(n), s%length(n), s%ortho(n), source=0.0_wp)
             if (.not. model%batch(b)%limited) cycle
             allocate (s%k_block(n, 2), s%stored(n), s%slip_energy(n), source=0.0_wp)

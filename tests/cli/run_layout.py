@@ -19,6 +19,7 @@ def main(kjoint):
     with tempfile.TemporaryDirectory() as folder:
         runs = [(TESTS / place / case / f"{case}_0000.rad", ["--legacy"])
                 for place, case in (("parity", "REV01"), ("parity", "UNI01"), ("parity45", "KTRA3"))]
+        runs += [(TESTS.parent / "decks" / "spring_mount_0000.rad", [])]
         wide = pathlib.Path(folder) / "wide"
         bench_scenes.write("chain", 9000, wide, until=1e-3, sample=5e-4)
         runs.append((f"{wide}_0000.rad", []))
