@@ -88,6 +88,8 @@ contains
          call fail(error, ERR_INPUT, 'joint '//str(spec%id)//': both carriers have mass 0')
          return
       end if
+      joint%xl0 = matmul(set%model%x0(joint%node(2), :) - set%model%x0(joint%node(1), :), &
+         joint%frame)
       call set_constants(set%model%model_t, property, joint)
    end subroutine set_joint
 

@@ -45,7 +45,7 @@ contains
 
       real(wp) :: length
 
-      length = norm2(a)
+      length = sqrt((a(1)*a(1) + a(2)*a(2)) + a(3)*a(3))   ! not norm2: the bits of OpenRadioss
       u = a
       if (length > 0.0_wp) u = a/length
    end function unit

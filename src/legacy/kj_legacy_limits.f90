@@ -4,7 +4,7 @@
 module kj_legacy_limits
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
-   use kj_joint_types, only: joint_types, NDOF
+   use kj_joint_types, only: joint_types, NDOF, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, DOF_FREE, &
       DOF_SLIDING, DOF_STICKING, DOF_AT_STOP, DOF_LOCKED, has_friction
    use kj_legacy_joint, only: legacy_block_t, legacy_limit_t
@@ -92,7 +92,8 @@ contains
       end if
    end subroutine add_elastic
 
-   !> Joints whose sensor has become active keep the q of the cycle before, moved inside the stops
+   !> Joints whose sensor has become active keep the q of the cycle before, moved inside the stops.
+   !> Legacy quirk: a sensor locks nothing in universal joints.
    pure subroutine lock_joints(batch, time, from, n, q, limit)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time
@@ -102,6 +103,7 @@ contains
 
       integer :: i, j, dof
 
+      if (batch%frame == FRAME_CROSS) return
       do i = 1, n
          j = from + i - 1
          if (limit%locked(i) > 0.0_wp .or. .not. time > batch%limit%t_lock(j)) cycle
@@ -168,7 +170,7 @@ contains
             0.5_wp*limit%friction(:n, dof)**2/l%k(from:to, dof)
          call add_stop(n, rubs, l%k(from:to, dof), k_block, over, direction, nearby, f, k_eff, &
             k_top, limit%stored(:n), acts)
-         locked(:n) = limit%locked(:n) > 0.0_wp .and. time <= l%t_free(from:to)
+         locked(:n) = limit%locked(:n) > 0.0_wp .and. time < l%t_free(from:to)
          call add_lock(n, locked, k_block, q, limit%q_lock(:n, dof), f, k_eff, k_top, &
             limit%stored(:n), acts)
       end associate

@@ -4,14 +4,16 @@ module kj_legacy_load
    use kj_kinds, only: wp
    use kj_math3, only: cross
    use kj_curve, only: load_value
-   use kj_model, only: model_t, load_t, motion_t, BY_TIME, BY_DISPLACEMENT, IMPOSE_VELOCITY, &
-      IMPOSE_DISPLACEMENT
+   use kj_model, only: model_t, load_t, motion_t, BY_TIME, BY_DISPLACEMENT, BY_VELOCITY, &
+      IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
    use kj_legacy_state, only: legacy_state_t
    use kj_skew, only: axis_of
+   use kj_sensor, only: is_on
    implicit none
    private
 
-   public :: is_loaded, add_cloads, find_gravity, gravity_at, hold_conditions, impose_motion
+   public :: is_loaded, add_cloads, turn_loads, find_gravity, gravity_at, hold_conditions, &
+      impose_motion
 
 contains
 
@@ -25,48 +27,62 @@ contains
 
    !> Add concentrated loads to the leads; loads on secondary nodes join the sums of their body.
    !>
-   !> Legacy quirk: consecutive cards with the same curve and time share one value, whatever their
+   !> The work of a step counts with the mean of the values now and a step ago: before the first
+   !> active cycle the function is continued to negative times.
+   !> Legacy quirk: consecutive cards with the same curve and time share both values, whatever their
    !> abscissa scales; with a displacement or velocity abscissa the curve alone decides.
    subroutine add_cloads(model, state)
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
 
-      real(wp) :: t, y, y_old, last_t, value, axis(3), rate
-      integer :: i, k, node, last_curve
+      real(wp) :: t, y, y_old, last_t, value, z, axis(3)
+      integer :: i, k, at, node, last_curve
 
       state%power = 0.0_wp
       last_curve = -1
       last_t = 0.0_wp
       y = 0.0_wp
       y_old = 0.0_wp
+      at = 0
       do i = 1, size(model%cload)
          associate (load => model%cload(i))
-            t = state%time
-            if (load%sensed) t = t - load%t_start
-            if (t < 0.0_wp .or. state%time > load%t_stop) cycle
-            if (load%abscissa == BY_TIME .and. &
+            t = state%time - load%t_start
+            if (load%abscissa == BY_TIME .and. acts(state, load) .and. &
                (load%curve /= last_curve .or. abs(t - last_t) > 0.0_wp)) then
                y = load_value(model%curves, load%curve, t/load%x_scale)
-               y_old = load_value(model%curves, load%curve, max(0.0_wp, t - state%h1)/load%x_scale)
+               y_old = load_value(model%curves, load%curve, (t - state%h1)/load%x_scale)
             end if
             do k = 1, size(load%node)
                node = load%node(k)
-               axis = axis_of(state%world%skew, load%skew, load%dir)
-               rate = rate_along(model, state, load, node, axis)
-               if (load%abscissa /= BY_TIME .and. load%curve /= last_curve) then
-                  y = load_value(model%curves, load%curve, &
-                     abscissa_of(model, state, load, node, axis)/load%x_scale)
-                  y_old = y
+               at = at + 1
+               z = abscissa_of(model, state, load, node, at)
+               if (acts(state, load)) then
+                  axis = axis_of(state%world%skew, load%skew, load%dir)
+                  if (load%abscissa /= BY_TIME .and. load%curve /= last_curve) then
+                     y = load_value(model%curves, load%curve, z/load%x_scale)
+                     y_old = load_value(model%curves, load%curve, &
+                        state%load_abscissa(at)/load%x_scale)
+                  end if
+                  last_curve = load%curve
+                  last_t = t
+                  value = load%y_scale*y
+                  call add_load(model, state, load%dir, node, value*axis)
+                  state%power = state%power + 0.5_wp*load%y_scale*(y_old + y)* &
+                     rate_along(model, state, load, node, axis)
                end if
-               last_curve = load%curve
-               last_t = t
-               value = load%y_scale*y
-               call add_load(model, state, load%dir, node, value*axis)
-               state%power = state%power + 0.5_wp*load%y_scale*(y_old + y)*rate
+               state%load_abscissa(at) = z
             end do
          end associate
       end do
    end subroutine add_cloads
+
+   !> A card of load or gravity acts in this cycle
+   pure logical function acts(state, load)
+      type(legacy_state_t), intent(in) :: state
+      type(load_t), intent(in) :: load
+
+      acts = is_on(state%time, state%h1, load%t_start, load%t_stop)
+   end function acts
 
    !> Velocity or angular velocity of a loaded dof
    pure real(wp) function rate_along(model, state, load, node, axis) result(rate)
@@ -83,20 +99,48 @@ contains
       end if
    end function rate_along
 
-   !> Displacement or velocity that a load depends on
-   pure real(wp) function abscissa_of(model, state, load, node, axis) result(x)
+   !> Displacement or velocity that a load depends on: a component in global axes, also of a load
+   !> in a skew; rotations are 0 in a model that does not keep them. Time needs none.
+   pure real(wp) function abscissa_of(model, state, load, node, at) result(z)
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(in) :: state
       type(load_t), intent(in) :: load
-      integer, intent(in) :: node
-      real(wp), intent(in) :: axis(3)
+      integer, intent(in) :: node, at            !! and its place among those of all loads
 
-      if (load%abscissa == BY_DISPLACEMENT) then
-         x = dot_product(state%d(node, :), axis)
-      else
-         x = rate_along(model, state, load, node, axis)
-      end if
+      z = 0.0_wp
+      select case (load%abscissa)
+      case (BY_DISPLACEMENT)
+         if (load%dir <= 3) then
+            z = state%d(node, load%dir)
+         else if (any(model%motion%dir > 3)) then
+            z = state%load_turn(at)
+         end if
+      case (BY_VELOCITY)
+         if (load%dir <= 3) then
+            z = state%v(node, load%dir)
+         else
+            z = state%world%w(model%lead(node), load%dir - 3)
+         end if
+      end select
    end function abscissa_of
+
+   !> Count the turns of nodes of loads, after the motion of a step
+   pure subroutine turn_loads(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      integer :: i, k, at
+
+      at = 0
+      do i = 1, size(model%cload)
+         do k = 1, size(model%cload(i)%node)
+            at = at + 1
+            if (model%cload(i)%dir <= 3) cycle
+            state%load_turn(at) = state%load_turn(at) + state%h2* &
+               state%world%w(model%lead(model%cload(i)%node(k)), model%cload(i)%dir - 3)
+         end do
+      end do
+   end subroutine turn_loads
 
    pure subroutine add_load(model, state, dir, node, vector)
       type(model_t), intent(in) :: model
@@ -122,7 +166,7 @@ contains
       end if
    end subroutine add_load
 
-   !> Acceleration of a gravity card at time t, W; inactive before its sensor
+   !> Acceleration of a gravity card, W, with its function at time t; 0 where it does not act now
    pure function gravity_at(model, state, load, t) result(g)
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(in) :: state
@@ -130,13 +174,9 @@ contains
       real(wp), intent(in) :: t
       real(wp) :: g(3)
 
-      real(wp) :: since
-
       g = 0.0_wp
-      since = t
-      if (load%sensed) since = t - load%t_start
-      if (since < 0.0_wp .or. t > load%t_stop) return
-      g = load%y_scale*load_value(model%curves, load%curve, since/load%x_scale)* &
+      if (.not. acts(state, load)) return
+      g = load%y_scale*load_value(model%curves, load%curve, (t - load%t_start)/load%x_scale)* &
          axis_of(state%world%skew, load%skew, load%dir)
    end function gravity_at
 
@@ -151,7 +191,7 @@ contains
          associate (field => state%field(i))
             field%now = gravity_at(model, state, model%gravity(i), state%time)
             field%mean = 0.5_wp*(field%now + gravity_at(model, state, model%gravity(i), &
-               max(0.0_wp, state%time - state%h1)))
+               state%time - state%h1))
          end associate
       end do
    end subroutine find_gravity
@@ -188,7 +228,8 @@ contains
       b = a - dot_product(a, e)*e
    end function without
 
-   !> Imposed motion: replaces one component of the acceleration, and counts its work.
+   !> Imposed motion: replaces one component of the acceleration, and counts its work. The half of
+   !> it that counts with the next step is lost (legacy quirk) where the motion ends before that.
    !>
    !> velocity: (c F(t + h2/2) - v)/h12;  displacement: ((c F(t + h2) - d)/h2 - v)/h12, after a
    !> sensor (c F(t + h2) - c F(t))/h2;  acceleration: c F(t + h2)
@@ -202,7 +243,8 @@ contains
       do i = 1, size(model%motion)
          associate (motion => model%motion(i))
             power = 0.0_wp
-            if (state%time >= motion%t_start .and. state%time <= motion%t_stop) then
+            if (state%time >= motion%t_start .and. state%time <= motion%t_stop .and. &
+               is_on(state%time, state%h1, motion%t_sensor, motion%t_off)) then
                e = axis_of(state%world%skew, motion%skew, motion%dir)
                if (motion%dir <= 3) then
                   old = dot_product(state%a(motion%lead, :), e)
@@ -219,8 +261,8 @@ contains
                end if
                power = 0.25_wp*(new - old)*inertia_along(model, state, motion, e)* &
                   (state%h12*new + 2.0_wp*rate)
+               state%work = state%work + state%h1*(power + state%motion_power(i))
             end if
-            state%work = state%work + state%h1*(power + state%motion_power(i))
             state%motion_power(i) = power
          end associate
       end do

@@ -81,6 +81,8 @@ module kj_legacy_state
       !> of each imposed motion in the last cycle
       real(wp), allocatable :: motion_power(:)
       real(wp), allocatable :: motion_turn(:, :)           !! (n_motion, 3) sum of w h of its lead
+      !> of each node of each concentrated load: its abscissa in the last cycle, its turn
+      real(wp), allocatable :: load_abscissa(:), load_turn(:)
       real(wp) :: power = 0.0_wp                           !! of concentrated loads, this cycle
       real(wp) :: work = 0.0_wp                            !! external work
       real(wp) :: energy0 = 0.0_wp                         !! energy at the start
@@ -203,6 +205,9 @@ contains
       allocate (state%part(N_SUM, size(state%plan%hub)), source=0.0_wp)
       allocate (state%motion_power(size(model%motion)), source=0.0_wp)
       allocate (state%motion_turn(size(model%motion), 3), source=0.0_wp)
+      allocate (state%load_abscissa(sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &
+         source=0.0_wp)
+      state%load_turn = state%load_abscissa
    end subroutine new_legacy_state
 
 end module kj_legacy_state

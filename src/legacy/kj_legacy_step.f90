@@ -12,7 +12,8 @@ module kj_legacy_step
    use kj_skew, only: move_skews
    use kj_legacy_force, only: add_joint_forces
    use kj_lead_map, only: sum_part
-   use kj_legacy_load, only: is_loaded, add_cloads, find_gravity, hold_conditions, impose_motion
+   use kj_legacy_load, only: is_loaded, add_cloads, turn_loads, find_gravity, &
+      hold_conditions, impose_motion
    use kj_legacy_leads, only: gather, gather_and_accelerate, accelerate, accelerate_again
    use kj_legacy_body, only: solve_conditioned, move_leads, move_secondaries, check_turns
    use kj_legacy_time_step, only: choose_step
@@ -93,6 +94,7 @@ contains
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
             state%h2*state%world%w(model%motion(i)%lead, :)
       end do
+      call turn_loads(model, state)
       state%cycle = state%cycle + 1
       state%time = state%time + state%h2
    end subroutine advance

@@ -45,29 +45,129 @@ contains
       if (any(owner <= 0)) return
       if (body(1) /= body(2) .and. all(owner == body(2:1:-1))) then
          joint%skew = p%skew(2:1:-1)
-         call report_row(draft%deck, joint%card, 'id', SEV_WARNING, 'KJ-0921', &
-            'the skews of the joint stand crosswise to its nodes: they were swapped', 'swapped')
+         if (draft%legacy) then
+            call report_row(draft%deck, joint%card, 'id', SEV_WARNING, 'KJ-0921', &
+               'the skews of the joint stand crosswise to its nodes: they were swapped, but '// &
+               'its reference offset is of the order written, as in OpenRadioss', 'half swapped', &
+               hint='write the skew of the body of node 1 first')
+         else
+            call report_row(draft%deck, joint%card, 'id', SEV_WARNING, 'KJ-0921', &
+               'the skews of the joint stand crosswise to its nodes: they were swapped', 'swapped')
+         end if
       else if (any(owner /= body)) then
          call report_row(draft%deck, joint%card, 'id', SEV_WARNING, 'KJ-0920', &
             'a skew of the joint belongs to another body than its node', 'joint with this skew')
       end if
    end subroutine match_skews
 
-   !> Initial frame by the rule of the property.
+   !> Initial frame by the rule of the property, and the offset r of node 2 in it.
    !> Source: docs/theory/legacy.md 3.3.
-   subroutine frame_of_skews(draft, p, joint)
+   subroutine frame_of_skews(draft, p, r, joint)
       type(draft_t), intent(inout) :: draft
       type(property_t), intent(in) :: p
+      real(wp), intent(in) :: r(3)                !! node 2 from node 1, W
       type(joint_t), intent(inout) :: joint
 
+      real(wp) :: written(3, 3)
       logical :: opposite
 
-      call mean_frame(p%frame, draft%skews%axes(joint%skew(1), :), &
-         draft%skews%axes(joint%skew(2), :), joint%frame, opposite)
+      if (draft%legacy .and. p%frame == FRAME_MEAN) then
+         call legacy_mean(draft%skews%axes(p%skew(1), :), draft%skews%axes(p%skew(2), :), &
+            joint%skew(1) /= p%skew(1), joint%frame, written, opposite)
+      else
+         call mean_frame(p%frame, draft%skews%axes(joint%skew(1), :), &
+            draft%skews%axes(joint%skew(2), :), joint%frame, opposite)
+         written = joint%frame
+         if (draft%legacy) call mean_frame(p%frame, draft%skews%axes(p%skew(1), :), &
+            draft%skews%axes(p%skew(2), :), written, opposite)
+      end if
+      joint%xl0 = turned_back(written, r)
       if (opposite) call report_row(draft%deck, joint%card, 'id', SEV_ERROR, 'KJ-9121', &
          'the skews of the joint are 180 degrees apart: they have no mean frame', &
          'joint with these skews')
    end subroutine frame_of_skews
+
+   !> Mean frame of the skews in the order written, as the starter of OpenRadioss finds it, and that
+   !> of its first cycle: the same but for round-off, or where the skews stand crosswise the second
+   !> skew turned by the half rotation from the first to it.
+   !>
+   !> Sums and products stand in the order that gives the bits of OpenRadioss: the sign of a first
+   !> displacement of 1e-17 chooses the segment of a curve with a knot at 0.
+   pure subroutine legacy_mean(axes1, axes2, crosswise, first, written, opposite)
+      real(wp), intent(in) :: axes1(9), axes2(9)  !! in the order written; columns, W
+      logical, intent(in) :: crosswise
+      real(wp), intent(out) :: first(3, 3)        !! of cycle 0, columns, W
+      real(wp), intent(out) :: written(3, 3)
+      logical, intent(out) :: opposite            !! 180 degrees apart: there is no mean
+
+      real(wp) :: u(3, 3), v(3, 3), a0(3, 3)
+
+      u = reshape(axes1, [3, 3])
+      v = reshape(axes2, [3, 3])
+      a0 = 0.5_wp*(half_rotation(product_of(transpose(u), v)) + &
+         transpose(half_rotation(product_of(transpose(v), u))))
+      written = 0.5_wp*(product_of(u, a0) + product_of(v, transpose(a0)))
+      first = product_of(u, a0)
+      if (crosswise) first = product_of(v, a0)
+      opposite = norm2(rotation_vector(matmul(transpose(u), v))) > 4.0_wp*atan(1.0_wp) - 2.0e-6_wp
+   end subroutine legacy_mean
+
+   !> The rotation by half the angle of another
+   pure function half_rotation(q) result(half)
+      real(wp), intent(in) :: q(3, 3)
+      real(wp) :: half(3, 3)
+
+      real(wp) :: c, s, t(3), length
+      integer :: i, j
+
+      c = min(1.0_wp, max(-1.0_wp, 0.5_wp*(((q(1, 1) + q(2, 2)) + q(3, 3)) - 1.0_wp)))
+      s = sin(acos(c))
+      t = 0.0_wp
+      if (abs(s) > 0.0_wp) t = [q(3, 2) - q(2, 3), q(1, 3) - q(3, 1), q(2, 1) - q(1, 2)]*(0.5_wp/s)
+      length = sqrt(t(1)*t(1) + t(2)*t(2) + t(3)*t(3))
+      if (length > 0.0_wp) t = t*(1.0_wp/length)
+      c = 0.5_wp*(c + 1.0_wp)
+      s = sqrt(1.0_wp - c)
+      c = sqrt(c)
+      do i = 1, 3
+         do j = 1, 3
+            half(i, j) = t(i)*t(j)*(1.0_wp - c)
+         end do
+         half(i, i) = half(i, i) + c
+      end do
+      half(2, 1) = half(2, 1) + t(3)*s
+      half(1, 2) = half(1, 2) - t(3)*s
+      half(3, 1) = half(3, 1) - t(2)*s
+      half(1, 3) = half(1, 3) + t(2)*s
+      half(3, 2) = half(3, 2) + t(1)*s
+      half(2, 3) = half(2, 3) - t(1)*s
+   end function half_rotation
+
+   !> a b, summed from left to right
+   pure function product_of(a, b) result(c)
+      real(wp), intent(in) :: a(3, 3), b(3, 3)
+      real(wp) :: c(3, 3)
+
+      integer :: i, j
+
+      do j = 1, 3
+         do i = 1, 3
+            c(i, j) = (a(i, 1)*b(1, j) + a(i, 2)*b(2, j)) + a(i, 3)*b(3, j)
+         end do
+      end do
+   end function product_of
+
+   !> a^T r, summed from left to right
+   pure function turned_back(a, r) result(x)
+      real(wp), intent(in) :: a(3, 3), r(3)
+      real(wp) :: x(3)
+
+      integer :: i
+
+      do i = 1, 3
+         x(i) = (a(1, i)*r(1) + a(2, i)*r(2)) + a(3, i)*r(3)
+      end do
+   end function turned_back
 
    !> Frame of a joint from the axes of its two skews, by a frame rule
    pure subroutine mean_frame(rule, axes1, axes2, frame, opposite)

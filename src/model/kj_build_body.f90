@@ -122,6 +122,7 @@ contains
       integer :: skew
 
       associate (input => crew%input)
+         input%swept = draft%legacy
          input%icog = choice_of(draft%deck, cards, 'ICoG', 4, 1, 'KJ-9114')
          input%ispher = choice_of(draft%deck, cards, 'Ispher', 3, 2, 'KJ-9115')
          if (int_of(cards, 'sens_id') > 0) call report(draft%deck, cards, 'sens_id', SEV_ERROR, &

@@ -86,6 +86,7 @@ contains
       type(joint_t), intent(inout) :: joint
 
       integer :: given, raw(6)
+      real(wp) :: r(3)
 
       call find_nodes(draft, joint%card, given, raw)
       if (any(raw(:given) == 0)) return
@@ -101,14 +102,16 @@ contains
       end if
       call check_ends(draft, model, p%kind, raw(:2), joint%card)
       if (p%row == 0) return
+      r = model%x0(joint%node(2), :) - model%x0(joint%node(1), :)
       if (p%kind == KJOINT2) then
          given = min(given, 4)
          raw(given + 1:) = raw(1)
          call frame_of_nodes(draft, transpose(model%x0(draft%new(raw(:4)), :)), given, p, joint)
+         joint%xl0 = matmul(r, joint%frame)
          call angles_of_skews(draft, p, joint)
       else
          call match_skews(draft, model, p, joint)
-         call frame_of_skews(draft, p, joint)
+         call frame_of_skews(draft, p, r, joint)
       end if
       call set_constants(model, p, joint)
    end subroutine attach
@@ -160,7 +163,7 @@ contains
       end do
    end subroutine check_ends
 
-   !> Reference offset, reduced masses, stiffness and damping of all six dofs, law signature.
+   !> Reduced masses, stiffness and damping of all six dofs, law signature.
    !>
    !> KR = Kn max(1, L0^2), for KJOINT2 Kn max(SCF, L0^2); critical damping Cr sqrt(K m) on the
    !> blocked dofs. Source: docs/theory/legacy.md 3.1, 3.2.
@@ -173,7 +176,6 @@ contains
       integer :: dof, s
 
       r = model%x0(joint%node(2), :) - model%x0(joint%node(1), :)
-      joint%xl0 = matmul(r, joint%frame)
       call reduce_masses(model, p%kind, joint)
       least = 1.0_wp
       if (p%kind == KJOINT2) least = p%scf

@@ -289,6 +289,7 @@ contains
       if (real_of(cards, 'Tstop') > 0.0_wp) motion%t_stop = real_of(cards, 'Tstop')
       if (load%sensed) then
          motion%t_sensor = load%t_start
+         motion%t_off = load%t_stop
          motion%t_start = max(motion%t_start, load%t_start)
          motion%t_stop = min(motion%t_stop, load%t_stop)
       end if

@@ -62,7 +62,7 @@ module kj_model
       logical :: sensed = .false.
       real(wp) :: x_scale = 1.0_wp, y_scale = 1.0_wp
       real(wp) :: t_start = 0.0_wp, t_stop = huge(1.0_wp)
-      real(wp) :: t_sensor = 0.0_wp
+      real(wp) :: t_sensor = 0.0_wp, t_off = huge(1.0_wp)   !! times of its sensor
    end type motion_t
 
    !> Place of a joint or spring in the batches, and what messages and histories say of it
