@@ -28,13 +28,15 @@ module kj_scheme
    implicit none
    private
 
-   public :: scheme_t, choose_scheme, check_scene, critical_factor, start_scheme, go_on, &
-      finish_scheme, advance_to, take_step, show, look_inside, node_place, node_moves, warn_after
+   public :: scheme_t, choose_scheme, check_scene, critical_factor, start_scheme, leaves_path, &
+      plan_sample, is_over, show_clock, go_on, finish_scheme, advance_to, &
+      take_step, show, look_inside, node_place, node_moves, warn_after
    public :: load_body, move_body, put_body, lock_place
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
    integer, parameter :: LOOK_WORK = 20000      !! joint-cycles between two looks of the monitor
    integer, parameter :: LEAST_LOOK = 8         !! cycles: each look takes a part of one
+   real(wp), parameter :: NEAR = 1.0e-9_wp      !! of an interval: as good as there
    integer, parameter :: CHUNK = 1000           !! cycles of a host's march between two checks
 
    !> A scene under way
@@ -54,11 +56,11 @@ module kj_scheme
       logical :: shown = .false.                !! all of it is right
       ! a run
       logical :: due = .false.                  !! stands at the time of a sample
-      logical :: over = .false.                 !! stands at the end
       logical :: apart = .false.                !! islands stand at different times
       integer :: pause = huge(1)                !! cycle that a trace wants to look at
-      integer :: n_sample = 0                   !! samples so far, without that at the start
-      real(wp) :: t_next = 0.0_wp               !! time of the next
+      integer :: n_sample = 0                   !! samples begun since t_first
+      real(wp) :: t_first = 0.0_wp              !! time from which samples are counted
+      real(wp) :: t_next = 0.0_wp               !! time of the next, whenever the run ends
    end type scheme_t
 
 contains
@@ -152,6 +154,7 @@ contains
       allocate (self%part(0))
       self%n_island = 0
       self%n_sample = 0
+      self%t_first = 0.0_wp
       self%t_next = 0.0_wp
       self%apart = .false.
       if (self%legacy) then
@@ -164,7 +167,7 @@ contains
       self%shown = .false.
       call show(model, self)                    ! energies count from here
       self%due = .true.
-      call set_next(model%model_t, self)
+      call plan_sample(model%model_t, self)
    end subroutine start_scheme
 
    !> Constants, first state, limits and ledger
@@ -184,26 +187,58 @@ contains
       if (self%islands) call cut_scene(model, self%march, self%n_island, self%part)
    end subroutine start_consistent
 
-   !> The time of the next sample, and whether the end is here. Legacy samples are those of cycles
-   !> while t <= Tstop; consistent ones stand at multiples of the interval, the last at Tstop.
-   subroutine set_next(model, self)
+   !> The time of the next sample, once one is due. It does not look at the end of the run: a run
+   !> that goes on later samples at the same times.
+   pure subroutine plan_sample(model, self)
       type(model_t), intent(in) :: model
       type(scheme_t), intent(inout) :: self
 
-      associate (c => model%control, t => self%now%time, next => self%t_next)
+      associate (interval => model%control%sample, t => self%now%time)
+         if (.not. self%due) return
+         self%n_sample = self%n_sample + 1
          if (self%legacy) then
-            self%over = t + self%cycles%h2 > c%t_stop .or. self%cycles%ended
-            if (self%due .or. self%over) next = min(c%t_stop, max(t, next + c%sample))
+            self%t_next = max(t, self%t_next + interval)
+         else if (interval > 0.0_wp) then
+            self%t_next = self%t_first + self%n_sample*interval
          else
-            self%over = .not. t < c%t_stop
-            if (self%over .or. .not. (self%due)) return
-            self%n_sample = self%n_sample + 1
-            next = min(c%t_stop, self%n_sample*c%sample)
-            if (c%sample <= 0.0_wp) next = min(c%t_stop, t + self%march%limit)
-            if (c%t_stop - next < 1.0e-9_wp*c%sample) next = c%t_stop
+            self%t_next = t + self%march%limit
          end if
       end associate
-   end subroutine set_next
+   end subroutine plan_sample
+
+   !> Whether a run stands at its end
+   pure logical function is_over(model, self)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+
+      associate (t => self%now%time, t_stop => model%control%t_stop)
+         if (self%legacy) then
+            is_over = t + self%cycles%h2 > t_stop .or. self%cycles%ended
+         else
+            is_over = .not. t < t_stop
+         end if
+      end associate
+   end function is_over
+
+   !> The time that a run marches to: of the next sample, or its end where that is as good as there
+   pure real(wp) function target_time(model, self) result(t)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+
+      associate (c => model%control)
+         t = min(c%t_stop, self%t_next)
+         if (.not. self%legacy .and. c%t_stop - t < NEAR*c%sample) t = c%t_stop
+      end associate
+   end function target_time
+
+   !> Whether the coming steps are cut to the end of the run: a run that goes on beyond it has to
+   !> start from here
+   pure logical function leaves_path(model, self) result(leaves)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+
+      leaves = .not. self%legacy .and. abs(target_time(model, self) - self%t_next) > 0.0_wp
+   end function leaves_path
 
    !> Some cycles of a run, at most up to the next sample.
    !>
@@ -213,19 +248,21 @@ contains
       type(scheme_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
 
+      real(wp) :: until
       logical :: arrived
 
       self%shown = .false.
       if (self%legacy) then
          call cycle_on(model%model_t, self, error)
       else
-         call march_on(model, self, cycles_ahead(model%model_t, self), self%t_next, arrived, error)
-         self%due = arrived .and. .not. (self%t_next < self%n_sample*model%control%sample* &
-            (1.0_wp - 1.0e-9_wp) .and. model%control%sample > 0.0_wp)
+         until = target_time(model%model_t, self)
+         call march_on(model, self, cycles_ahead(model%model_t, self), until, arrived, error)
+         self%due = arrived .and. (until > self%t_next - NEAR*self%t_next .or. &
+            .not. model%control%sample > 0.0_wp)
       end if
       if (allocated(error)) return
       call show_clock(model, self)
-      call set_next(model%model_t, self)
+      call plan_sample(model%model_t, self)
    end subroutine go_on
 
    !> Cycles between two looks of the monitor

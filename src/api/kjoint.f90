@@ -8,7 +8,9 @@
 !> guide.
 !>
 !> Units are those that the host or the deck chose; angles are in radian; W is the global frame.
+!> One file: what an embedder may use stands in one list.
 module kjoint
+   use, intrinsic :: iso_fortran_env, only: int8
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, &
       SEV_NOTE, SEV_WARNING, SEV_ERROR
@@ -46,6 +48,7 @@ module kjoint
    public :: check_t, limit_row_t, check_simulation
    ! model level, stepped by the host
    public :: start_simulation, advance_simulation, step_simulation, simulation_status
+   public :: save_simulation, restore_simulation
    public :: simulation_history, sample_simulation, channel_values, sink_memory_t
    public :: body_state_t, simulation_bodies, simulation_joints, body_state, node_position, &
       joint_state
@@ -88,6 +91,8 @@ module kjoint
       character(len=:), allocatable :: root     !! name of the deck without _0000.rad
       logical :: loaded = .false.               !! can be run
       logical :: started = .false.              !! is stepped by the host
+      logical :: restored = .false.             !! a run goes on from the state it has
+      integer :: rows = 0                       !! of its history so far
       real(wp), allocatable :: load_scale(:)    !! of the concentrated loads, as the deck has it
    end type simulation_t
 
@@ -108,6 +113,8 @@ module kjoint
    contains
       procedure(tick_i), deferred :: tick
       procedure :: see                          !! a traced cycle; nothing is done with it here
+      procedure :: wants_state                  !! for a checkpoint; here never
+      procedure :: take_state                   !! that was wanted; nothing is done with it here
    end type monitor_t
 
    abstract interface
@@ -152,7 +159,25 @@ module kjoint
          type(trace_t), intent(in) :: trace(:)
       end subroutine see
 
-      !> Run a loaded scene from its start to its end; the sink is opened and closed here.
+      !> Whether a monitor wants the state now. Asked every few cycles, and at the end of a run
+      module subroutine wants_state(self, ended, wanted)
+         class(monitor_t), intent(inout) :: self
+         logical, intent(in) :: ended           !! the run ends here
+         logical, intent(out) :: wanted
+      end subroutine wants_state
+
+      !> The state from which a run goes on with the same bits, as restore_simulation takes it, and
+      !> the status then. Errors: the monitor's own; they end the run.
+      module subroutine take_state(self, state, status, error)
+         class(monitor_t), intent(inout) :: self
+         integer(int8), intent(in) :: state(:)
+         type(run_status_t), intent(in) :: status
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine take_state
+
+      !> Run a loaded scene to its end, from its start or from a restored state; the sink is opened
+      !> and closed here. From a restored state the sink is told how many rows of an older history
+      !> go before (sink_t).
       !>
       !> Errors: ERR_RUN when the run leaves its valid range or its energy limit (the history holds
       !> what came before), those of the sink.
@@ -189,6 +214,25 @@ module kjoint
          type(simulation_t), intent(inout) :: sim
          type(error_t), allocatable, intent(out) :: error
       end subroutine step_simulation
+
+      !> The state of a started scene as bytes. Errors: ERR_INPUT when it is not started
+      module subroutine save_simulation(sim, state, error)
+         type(simulation_t), intent(inout) :: sim
+         integer(int8), allocatable, intent(out) :: state(:)
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine save_simulation
+
+      !> Go on from a state of the same deck: with advance_simulation and step_simulation, or by
+      !> run_simulation. A loaded scene is started by this. Bits are those of a scene that went on
+      !> without. Number of threads, end, samples and steps may be others than then.
+      !>
+      !> Errors: ERR_INPUT when no deck is loaded, or the state is none of this deck, version of
+      !> kjoint, formulation, integrator or stiffness; ERR_RUN as start_simulation.
+      module subroutine restore_simulation(sim, state, error)
+         type(simulation_t), intent(inout) :: sim
+         integer(int8), intent(in) :: state(:)
+         type(error_t), allocatable, intent(out) :: error
+      end subroutine restore_simulation
 
       !> Where a stepped scene stands. Energies are those of the last sample_simulation.
       module function simulation_status(sim) result(status)

@@ -4,7 +4,8 @@ submodule (kjoint) kjoint_run
    use kj_system, only: wall_clock
    use kj_sample, only: sample_row
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
-   use kj_scheme, only: start_scheme, go_on, finish_scheme, show, warn_after
+   use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after
+   use kj_checkpoint, only: save_scene
    implicit none
 
    character(len=8), parameter :: OWNER_NAME(0:3) = &
@@ -21,10 +22,14 @@ contains
          return
       end if
       sim%started = .false.
+      if (.not. sim%restored) sim%rows = 0
+      sink%rows_before = sim%rows
       call sink%open(sim%history, error)
       if (allocated(error)) return
       clock = wall_clock()
-      call run_samples(sim, sink, monitor, status, clock, stop, error)
+      if (.not. sim%restored) call start_scheme(sim%model, sim%scheme, error)
+      sim%restored = .false.
+      if (.not. allocated(error)) call run_samples(sim, sink, monitor, status, clock, stop, error)
       if (.not. allocated(error)) call finish_scheme(sim%model, sim%scheme, error)
       call tell(sim, status)
       call warn_after(sim%model%model_t, sim%scheme, status%warnings)
@@ -68,6 +73,17 @@ contains
       end associate
    end subroutine look
 
+   module procedure wants_state
+      wanted = .false.
+      associate (nobody => self, never => ended)
+      end associate
+   end procedure wants_state
+
+   module procedure take_state
+      associate (nobody => self, nothing => state, never => status)
+      end associate
+   end procedure take_state
+
    !> From sample to sample. Islands stand at the same time at samples alone: stopped between them,
    !> their history ends at the last one.
    subroutine run_samples(sim, sink, monitor, status, clock, stop, error)
@@ -79,14 +95,19 @@ contains
       logical, intent(out) :: stop               !! the monitor ended the run
       type(error_t), allocatable, intent(out) :: error
 
+      integer(int8), allocatable :: left(:)      !! state where the steps began to be cut
+      logical :: over
+
       stop = .false.
-      call start_scheme(sim%model, sim%scheme, error)
       associate (s => sim%scheme)
-         do while (.not. allocated(error))
+         do
+            over = is_over(sim%model%model_t, s)
             call look(sim, monitor)
-            if (s%due .or. s%over .or. (stop .and. .not. s%apart)) &
+            call keep_point(sim, monitor, over .or. stop, status, left, error)
+            if (allocated(error)) return
+            if (s%due .or. over .or. (stop .and. .not. s%apart)) &
                call add_row(sim, sink, clock, status, error)
-            if (s%over .or. stop .or. allocated(error)) return
+            if (over .or. stop .or. allocated(error)) return
             call go_on(sim%model, s, error)
             if (allocated(error)) return
             call tell(sim, status)
@@ -94,6 +115,42 @@ contains
          end do
       end associate
    end subroutine run_samples
+
+   !> Hand the monitor the state where it wants it: the state now, or that from before the steps
+   !> were cut to the end of the run, which a longer run does not share
+   subroutine keep_point(sim, monitor, ended, status, left, error)
+      type(simulation_t), intent(inout) :: sim
+      class(monitor_t), intent(inout) :: monitor
+      logical, intent(in) :: ended
+      type(run_status_t), intent(inout) :: status
+      integer(int8), allocatable, intent(inout) :: left(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      integer(int8), allocatable :: now(:)
+      logical :: wanted
+
+      call monitor%wants_state(ended, wanted)
+      if (.not. allocated(left)) then
+         if (leaves_path(sim%model%model_t, sim%scheme)) call save(left)
+      end if
+      if (.not. wanted) return
+      if (.not. allocated(left)) call save(now)
+      call tell(sim, status)
+      if (allocated(left)) then
+         call monitor%take_state(left, status, error)
+      else
+         call monitor%take_state(now, status, error)
+      end if
+
+   contains
+
+      subroutine save(byte)
+         integer(int8), allocatable, intent(out) :: byte(:)
+
+         call save_scene(sim%options, sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, &
+            byte)
+      end subroutine save
+   end subroutine keep_point
 
    !> Close the sink with the outcome; an error of the run goes before one of the sink
    subroutine end_history(sink, stopped, cycles, error)
@@ -139,6 +196,7 @@ contains
       clock = wall_clock()
       status%wall_output = status%wall_output + clock - now
       status%n_sample = status%n_sample + 1
+      sim%rows = sim%rows + 1
       if (allocated(error)) return
       call tell(sim, status)
       if (sim%options%energy_limit < 0.0_wp) return

@@ -6,6 +6,7 @@ submodule (kjoint:kjoint_run) kjoint_step
    use kj_channels, only: channels, groups
    use kj_scheme, only: advance_to, take_step, node_place
    use kj_host_deck, only: take_model
+   use kj_checkpoint, only: save_scene, restore_scene
    implicit none
 
 contains
@@ -20,7 +21,32 @@ contains
       end if
       call start_scheme(sim%model, sim%scheme, error)
       sim%started = .not. allocated(error)
+      sim%restored = .false.
    end procedure start_simulation
+
+   module procedure save_simulation
+      call check_started(sim, error)
+      if (.not. allocated(error)) call save_scene(sim%options, sim%history, sim%rows, sim%model, &
+         sim%scheme, sim%sampler, state)
+   end procedure save_simulation
+
+   module procedure restore_simulation
+      integer(int8), allocatable :: byte(:)
+      logical :: lost
+
+      if (.not. sim%loaded) then
+         call fail(error, ERR_INPUT, 'no deck is loaded')
+      else if (.not. (sim%started .or. sim%restored)) then
+         call start_scheme(sim%model, sim%scheme, error)
+      end if
+      if (allocated(error)) return
+      byte = state
+      call restore_scene(byte, sim%options, sim%history, sim%rows, sim%model, sim%scheme, &
+         sim%sampler, lost, error)
+      sim%restored = .not. allocated(error)
+      if (lost) sim%started = .false.
+      if (sim%restored) sim%started = .not. sim%options%islands
+   end procedure restore_simulation
 
    module procedure advance_simulation
       call check_started(sim, error)

@@ -1,6 +1,7 @@
 !> The march of a consistent run: equal steps up to a wanted time, none longer than the limit, which
 !> is found anew as the scene moves; and the ledger of energy.
 !> Source: docs/theory/time_step.md 9; the ledger: docs/theory/consistent.md 13.
+!> One file: the limit, the steps and the ledger are changed together.
 module kj_consistent_march
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
@@ -21,7 +22,7 @@ module kj_consistent_march
    implicit none
    private
 
-   public :: march_t, start_march, march, balance_ledger, close_ledger, check_state
+   public :: march_t, start_march, march, change_limits, balance_ledger, close_ledger, check_state
 
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3   !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
@@ -67,6 +68,20 @@ contains
       self%start_end = state%time + START_SPAN*self%limit/self%factor
       call take_limit(model, state, self)
    end subroutine start_march
+
+   !> Other limits of the steps from now on
+   subroutine change_limits(model, factor, most, state, self)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: factor, most
+      type(consistent_state_t), intent(in) :: state
+      type(march_t), intent(inout) :: self
+
+      if (abs(factor - self%factor) <= 0.0_wp .and. abs(most - self%most) <= 0.0_wp) return
+      self%factor = factor
+      self%most = most
+      self%left = 0
+      call take_limit(model, state, self)
+   end subroutine change_limits
 
    !> The longest step now: factor of the limit, less at the start, or what the deck allows
    subroutine take_limit(model, state, self)

@@ -8,6 +8,8 @@ module kj_sink
 
    !> A taker of samples
    type, abstract, public :: sink_t
+      !> rows of an older history that stay, set before open; 0: a new history
+      integer :: rows_before = 0
    contains
       procedure(open_i), deferred :: open
       procedure(put_i), deferred :: put

@@ -2,11 +2,12 @@
 !> in threads too. Blocks are the same for any number of threads, and so are the bits of the work.
 module kj_gravity
    use kj_kinds, only: wp
+   use kj_archive, only: archive_t, keep
    use kj_block, only: BLOCK
    implicit none
    private
 
-   public :: gravity_t, new_gravity, add_accelerations, add_weights, add_powers
+   public :: gravity_t, new_gravity, keep_gravity, add_accelerations, add_weights, add_powers
 
    !> One card of gravity
    type :: gravity_t
@@ -96,5 +97,21 @@ contains
          self%power(b) = power
       end do
    end subroutine add_powers
+
+   !> Save or restore a card
+   subroutine keep_gravity(archive, self)
+      type(archive_t), intent(inout) :: archive
+      type(gravity_t), intent(inout) :: self
+
+      integer :: i
+
+      call keep(archive, self%lead)
+      call keep(archive, self%to)
+      do i = 1, 3
+         call keep(archive, self%now(i))
+         call keep(archive, self%mean(i))
+      end do
+      call keep(archive, self%power)
+   end subroutine keep_gravity
 
 end module kj_gravity
