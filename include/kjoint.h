@@ -153,12 +153,15 @@ typedef struct kj_body {
   double moment[3];   /* about the centre of gravity */
 } kj_body;
 
-/* Watches a run; returns other than 0 to end it */
+/* Watches a run; returns other than 0 to end it. It may read kj_model_status; whatever loads, runs,
+ * starts, steps or changes the model is refused with KJ_INPUT meanwhile, and kj_model_free does
+ * nothing. */
 typedef int (*kj_tick)(const kj_run_status *status, void *user);
 
 /* Read a deck. starter: path of ROOT_0000.rad; engine: NULL for ROOT_0001.rad (not read when
  * until is given); options: a text as above, NULL for the defaults; message (may be NULL, size 0):
- * all errors of the deck, a line each. *model is NULL when it fails. */
+ * all errors of the deck, a line each. *model is NULL when it fails: KJ_FILE when a file cannot be
+ * read, else KJ_INPUT. */
 int kj_model_load(const char *starter, const char *engine, const char *options, kj_model **model,
                   char *message, size_t size);
 void kj_model_free(kj_model *model);

@@ -1,9 +1,11 @@
 """The C library, its structures and errors."""
 import collections
+import contextlib
 import ctypes as ct
 import ctypes.util
 import os
 import pathlib
+import threading
 
 INT, REAL, TEXT = ct.c_int, ct.c_double, ct.c_char_p
 SIZE = 100_000                                    # room for messages and lists
@@ -42,6 +44,8 @@ class Body(ct.Structure):
                 ("velocity", REAL * 3), ("omega", REAL * 3), ("force", REAL * 3),
                 ("moment", REAL * 3)]
 
+
+FILES = threading.Lock()                          # HDF5 is called by one thread at a time
 
 TICK = ct.CFUNCTYPE(INT, ct.POINTER(Status), ct.c_void_p)
 
@@ -116,6 +120,14 @@ def _text(call, *arguments):
     return buffer.value.decode(errors="replace")
 
 
+def encoded(text):
+    """A text or path for C, which ends it at the first zero."""
+    data = os.fsencode(text)
+    if b"\0" in data:
+        raise ValueError(f"a zero character in {text!r}")
+    return data
+
+
 def version():
     """Version of the library."""
     return _text(LIB.kj_version)
@@ -131,12 +143,24 @@ def options():
 
 
 class Handle:
-    """A handle of the C library, whose calls raise what goes wrong."""
+    """A handle of the C library, whose calls raise what goes wrong. It belongs to one thread at a
+    time: the call of another meanwhile raises Error."""
 
     kind = ""
 
     def __init__(self):
         self._handle = ct.c_void_p()
+        self._lock = threading.RLock()
+
+    @contextlib.contextmanager
+    def _alone(self):
+        if not self._lock.acquire(blocking=False):
+            raise Error(f"another thread is in a call of this {type(self).__name__}: "
+                        "one thread at a time", 2)
+        try:
+            yield
+        finally:
+            self._lock.release()
 
     def _new(self, call, *arguments):
         message = ct.create_string_buffer(SIZE)
@@ -145,12 +169,14 @@ class Handle:
             raise Error(message.value.decode(errors="replace"), status)
 
     def _call(self, name, *arguments):
-        status = getattr(LIB, f"kj_{self.kind}_{name}")(self._handle, *arguments)
-        if status:
-            raise Error(self._message(), status)
+        with self._alone():
+            status = getattr(LIB, f"kj_{self.kind}_{name}")(self._handle, *arguments)
+            if status:
+                raise Error(self._message(), status)
 
     def _message(self, what="message"):
-        return _text(getattr(LIB, f"kj_{self.kind}_{what}"), self._handle)
+        with self._alone():
+            return _text(getattr(LIB, f"kj_{self.kind}_{what}"), self._handle)
 
     def _number(self, name, kind=INT):
         value = kind()
@@ -158,6 +184,6 @@ class Handle:
         return value.value
 
     def __del__(self):
-        if self._handle:
+        if getattr(self, "_handle", None):
             getattr(LIB, f"kj_{self.kind}_free")(self._handle)
             self._handle = ct.c_void_p()

@@ -3,7 +3,7 @@ import ctypes as ct
 
 import numpy as np
 
-from ._library import INT, LIB, REAL, Handle, Result, Spec
+from ._library import INT, LIB, REAL, Handle, Result, Spec, encoded
 
 
 def _joint_types():
@@ -46,7 +46,7 @@ class Joints(Handle):
     def __init__(self, n, formulation="consistent"):
         super().__init__()
         self.n = n
-        self._new(LIB.kj_joints_new, formulation.encode(), n)
+        self._new(LIB.kj_joints_new, encoded(formulation), n)
 
     def curve(self, x, y):
         """A function for the laws of joints that follow; gives its number."""
@@ -89,7 +89,9 @@ class Joints(Handle):
     def take(self, model, node_id, attitude=None):
         """The joints of a deck instead; node_id: id in the deck of each host node."""
         ids = np.ascontiguousarray(node_id, dtype=np.intc)
-        self._call("take", model._handle, ids.size, ids, _table(attitude, self.n, 4, "attitude"))
+        with model._alone():
+            self._call("take", model._handle, ids.size, ids,
+                       _table(attitude, self.n, 4, "attitude"))
 
     def forces(self, time, h, x, v, omega, f, m, attitude=None):
         """ADD forces and moments at t to f and m: arrays n x 3 of float64, contiguous."""
@@ -131,8 +133,9 @@ class Joints(Handle):
     def warnings(self, limit=0.01):
         """Joints whose loss of orthogonality newly passes a limit [rad], as texts."""
         count = INT()
-        self._call("warnings", limit, ct.byref(count))
-        return self._message().splitlines() if count.value else []
+        with self._alone():
+            self._call("warnings", limit, ct.byref(count))
+            return self._message().splitlines() if count.value else []
 
     @property
     def state(self):

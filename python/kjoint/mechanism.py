@@ -11,18 +11,33 @@ DOFS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
 def _reals(*values):
-    return "".join(f"{value:20.13e}" for value in values)
+    """Fields of 20 columns: a digit less where an exponent has three."""
+    return "".join(next(text for digits in (13, 12, 11)
+                        if len(text := f"{value:20.{digits}e}") <= 20) for value in values)
 
 
 def _ints(*values):
-    return "".join(f"{value:10d}" for value in values)
+    """Fields of 10 columns."""
+    fields = [f"{value:10d}" for value in values]
+    if any(len(field) > 10 for field in fields):
+        raise ValueError(f"a number of more than 10 digits among {values}")
+    return "".join(fields)
+
+
+def _line(text):
+    """A text that is one line of a deck, and no keyword or comment there."""
+    text = str(text)
+    if not text.isprintable() or text.lstrip()[:1] in ("/", "#", "$"):
+        raise ValueError(f"{text!r} cannot be a line of a deck: control characters, or / # $ "
+                         "at its beginning")
+    return text
 
 
 class Mechanism:
     """Rigid bodies, joints between them, gravity. Units: kg, m, s, rad."""
 
     def __init__(self, title="mechanism", gravity=(0.0, 0.0, 0.0)):
-        self.title, self.gravity = title, gravity
+        self.title, self.gravity = _line(title), gravity
         self._bodies, self._joints = [], []
         self._ground = None
 
@@ -34,7 +49,7 @@ class Mechanism:
         number = len(self._bodies) + 1
         self._bodies.append(dict(mass=mass, inertia=inertia, at=np.asarray(at, dtype=float),
                                  velocity=velocity, omega=omega, held=held, nodes=[],
-                                 name=name or f"body {number}"))
+                                 name=_line(name or f"body {number}")))
         return number
 
     def ground(self):
@@ -62,7 +77,7 @@ class Mechanism:
         self._joints.append(dict(type=number, bodies=(body_1, body_2), at=np.asarray(at, float),
                                  axes=(axis, axis_2/np.linalg.norm(axis_2)), kn=kn, cr=cr,
                                  k=k or {}, c=c or {}, stops=stops or {}, friction=friction or {},
-                                 name=name or f"joint {len(self._joints) + 1}"))
+                                 name=_line(name or f"joint {len(self._joints) + 1}")))
         return len(self._joints)
 
     def deck(self):
@@ -74,7 +89,7 @@ class Mechanism:
             parts += self._body_cards(number, body)
             nodes.insert(number - 1, (number, body["at"]))
         lines = ["#RADIOSS STARTER", "/BEGIN", "mechanism", _ints(2022, 0)]
-        lines += [("%20s"*3) % ("kg", "m", "s")]*2 + ["/TITLE", self.title, "/NODE"]
+        lines += [("%20s"*3) % ("kg", "m", "s")]*2 + ["/TITLE", _line(self.title), "/NODE"]
         lines += [f"{node:10d}{_reals(*x)}" for node, x in nodes] + parts
         lines += ["/FUNCT/1", "one", _reals(0, 1), _reals(1, 1)]
         moving = [n for n, b in enumerate(self._bodies, 1) if not b["held"]]
@@ -128,7 +143,7 @@ class Mechanism:
         """The mechanism as a Model, ready to run or to step."""
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "mechanism_0000.rad")
-            path.write_text(self.deck())
+            path.write_text(self.deck(), encoding="utf-8")
             return Model(path, until=until, sample=sample, **options)
 
     def run(self, until, sample, **options):

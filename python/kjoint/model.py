@@ -1,10 +1,11 @@
 """A deck and its run."""
 import ctypes as ct
-import os
+import signal
+import threading
 
 import numpy as np
 
-from ._library import INT, LIB, TICK, Body, Handle, Result, Status
+from ._library import FILES, INT, LIB, TICK, Body, Handle, Result, Status, encoded
 from ._library import options as list_options
 
 
@@ -13,6 +14,48 @@ def _vector(values, n=3):
     if array.shape != (n,):
         raise ValueError(f"expected {n} numbers")
     return array
+
+
+class _Watcher:
+    """Stands between a run and who watches it: what watch raises, and an interrupt (Ctrl-C) that
+    comes while the run is in the library, stop the run and come out of it."""
+
+    def __init__(self, watch):
+        self.watch, self.raised, self.interrupt, self.watching = watch, None, None, False
+        self.handler = None
+
+    def tick(self, status, user):
+        if self.watch and self.raised is None:
+            try:
+                self.watching = True
+                # a copy: the library reuses its own
+                if self.watch(Status.from_buffer_copy(status.contents)):
+                    return 1
+            except BaseException as raised:
+                self.raised = raised
+            finally:
+                self.watching = False
+        return int(self.raised is not None or self.interrupt is not None)
+
+    def on_interrupt(self, number, frame):
+        if self.watching:
+            self.handler(number, frame)
+        else:
+            self.interrupt = number, frame
+
+    def __enter__(self):
+        if threading.current_thread() is threading.main_thread() \
+                and callable(signal.getsignal(signal.SIGINT)):
+            self.handler = signal.signal(signal.SIGINT, self.on_interrupt)
+        return self
+
+    def __exit__(self, kind, value, trace):
+        if self.handler:
+            signal.signal(signal.SIGINT, self.handler)
+            if self.interrupt and self.raised is None:
+                self.handler(*self.interrupt)
+        if self.raised is not None:
+            raise self.raised
 
 
 class Model(Handle):
@@ -31,10 +74,13 @@ class Model(Handle):
         for name in options:
             if name not in known:
                 raise TypeError(f"there is no option {name}")
-        text = " ".join(f"{name}={int(value) if known[name].kind == 'flag' else value}"
-                        for name, value in options.items() if value is not None)
-        self._new(LIB.kj_model_load, os.fsencode(deck), engine and os.fsencode(engine),
-                  text.encode())
+        words = [f"{name}={int(value) if known[name].kind == 'flag' else value}"
+                 for name, value in options.items() if value is not None]
+        for word in words:
+            if len(word.split()) != 1:
+                raise ValueError(f"a blank in the option {word!r}")
+        self._new(LIB.kj_model_load, encoded(deck), encoded(engine) if engine else None,
+                  encoded(" ".join(words)))
 
     @property
     def options(self):
@@ -51,9 +97,11 @@ class Model(Handle):
         return self._message("warnings").splitlines()
 
     def run(self, watch=None):
-        """Run from the start to the end. watch(status) may return True to stop."""
-        tick = TICK(lambda status, user: bool(watch(status.contents))) if watch else None
-        self._call("run", tick and ct.cast(tick, ct.c_void_p), None)
+        """Run from the start to the end. watch(status) may return True to stop; what it raises
+        ends the run, too. Meanwhile the model can be read by nobody but its status by watch."""
+        with self._alone(), _Watcher(watch) as watcher:
+            tick = TICK(watcher.tick) if watch or watcher.handler else None
+            self._call("run", tick and ct.cast(tick, ct.c_void_p), None)
         return self
 
     def start(self):
@@ -86,19 +134,20 @@ class Model(Handle):
 
     def __getitem__(self, channel):
         """Samples of a channel: time, or time x joint (body, node), or with x component."""
-        name = channel.encode()
+        name = encoded(channel)
         shape = [INT(), INT(), INT()]
-        self._call("shape", name, *map(ct.byref, shape))
-        row, entity, comp = (n.value for n in shape)
-        values = np.empty((row, entity, comp))
-        self._call("series", name, values.size, values)
+        with self._alone():
+            self._call("shape", name, *map(ct.byref, shape))
+            row, entity, comp = (n.value for n in shape)
+            values = np.empty((row, entity, comp))
+            self._call("series", name, values.size, values)
         if comp == 1:
             values = values[:, :, 0]
         return values[:, 0] if "/" not in channel else values
 
     def unit(self, channel):
         buffer = ct.create_string_buffer(100)
-        self._call("unit", channel.encode(), buffer, 100)
+        self._call("unit", encoded(channel), buffer, 100)
         return buffer.value.decode()
 
     def plot(self, *channels, path=None):
@@ -119,7 +168,8 @@ class Model(Handle):
 
     def write_history(self, path):
         """The samples as a history file (HDF5)."""
-        self._call("write_history", os.fsencode(path))
+        with FILES:
+            self._call("write_history", encoded(path))
 
     def _ids(self, what):
         count = self._number(f"{what}_count")

@@ -58,6 +58,9 @@ module kjoint
       start_joints, take_joints, joint_forces, joint_stiffness, critical_step, joint_count, &
       joint_result, joint_energy, joint_warnings, joint_state_size, save_joints, restore_joints
 
+   character(len=*), parameter :: RUNS = &
+      'the simulation runs: who watches it may read its status and stop it'
+
    !> Where a run stands
    type :: run_status_t
       integer :: cycle = 0
@@ -93,6 +96,7 @@ module kjoint
       logical :: started = .false.              !! is stepped by the host
       logical :: restored = .false.             !! a run goes on from the state it has
       integer :: rows = 0                       !! of its history so far
+      logical :: running = .false.              !! run_simulation has it
       real(wp), allocatable :: load_scale(:)    !! of the concentrated loads, as the deck has it
    end type simulation_t
 
@@ -118,7 +122,8 @@ module kjoint
    end type monitor_t
 
    abstract interface
-      !> Called every few cycles and at the end
+      !> Called every few cycles and at the end. The simulation is not to be loaded, run, started,
+      !> stepped or changed from here: that is refused with ERR_INPUT.
       subroutine tick_i(self, status, stop)
          import :: monitor_t, run_status_t
          class(monitor_t), intent(inout) :: self
@@ -133,7 +138,7 @@ module kjoint
       !> The scene can be run when findings%n_error is 0 and no error is allocated.
       !> Errors: ERR_INPUT when the options do not fit; whatever the deck does wrong is a finding.
       module subroutine load_simulation(sim, starter, engine, options, findings, error)
-         type(simulation_t), intent(out) :: sim
+         type(simulation_t), intent(inout) :: sim  !! what it held is given up
          character(len=*), intent(in) :: starter   !! path of ROOT_0000.rad
          character(len=*), intent(in) :: engine    !! path of the engine deck; '' for ROOT_0001.rad
          type(run_options_t), intent(in) :: options

@@ -22,8 +22,14 @@ contains
       type(draft_t) :: draft
       type(source_t) :: engine_source
       type(engine_t) :: controls
+      type(simulation_t) :: fresh
       character(len=:), allocatable :: path
 
+      if (sim%running) then
+         call fail(error, ERR_INPUT, RUNS)
+         return
+      end if
+      sim = fresh
       sim%options = options
       sim%root = starter(:root_length(starter))
       call settle_run_options(sim%options, error)

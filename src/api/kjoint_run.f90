@@ -14,18 +14,41 @@ submodule (kjoint) kjoint_run
 contains
 
    module procedure run_simulation
-      real(wp) :: clock
-      logical :: stop, ignored
-
-      if (.not. sim%loaded) then
-         call fail(error, ERR_INPUT, 'no deck is loaded')
-         return
-      end if
+      call check_loaded(sim, error)
+      if (allocated(error)) return
       sim%started = .false.
       if (.not. sim%restored) sim%rows = 0
       sink%rows_before = sim%rows
       call sink%open(sim%history, error)
       if (allocated(error)) return
+      sim%running = .true.
+      call run_open(sim, sink, monitor, status, error)
+      sim%running = .false.
+   end procedure run_simulation
+
+   !> A deck is loaded and does not run. Errors: ERR_INPUT
+   subroutine check_loaded(sim, error)
+      type(simulation_t), intent(in) :: sim
+      type(error_t), allocatable, intent(out) :: error
+
+      if (sim%running) then
+         call fail(error, ERR_INPUT, RUNS)
+      else if (.not. sim%loaded) then
+         call fail(error, ERR_INPUT, 'no deck is loaded')
+      end if
+   end subroutine check_loaded
+
+   !> The run into an open sink
+   subroutine run_open(sim, sink, monitor, status, error)
+      type(simulation_t), intent(inout) :: sim
+      class(sink_t), intent(inout) :: sink
+      class(monitor_t), intent(inout) :: monitor
+      type(run_status_t), intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: clock
+      logical :: stop, ignored
+
       clock = wall_clock()
       if (.not. sim%restored) call start_scheme(sim%model, sim%scheme, error)
       sim%restored = .false.
@@ -39,12 +62,12 @@ contains
       call end_history(sink, stop, status%cycle, error)
       if (allocated(sim%row)) deallocate (sim%row)
       status%wall_output = status%wall_output + wall_clock() - clock
-   end procedure run_simulation
+   end subroutine run_open
 
    module procedure trace_simulation
-      if (.not. sim%loaded) then
-         call fail(error, ERR_INPUT, 'no deck is loaded')
-      else if (sim%options%islands .and. size(ids) > 0) then
+      call check_loaded(sim, error)
+      if (allocated(error)) return
+      if (sim%options%islands .and. size(ids) > 0) then
          call fail(error, ERR_INPUT, 'islands march by themselves: a trace follows one scene')
       else
          call plan_trace(sim%model%model_t, ids, first, last, sim%trace, error)
@@ -200,8 +223,15 @@ contains
       if (allocated(error)) return
       call tell(sim, status)
       if (sim%options%energy_limit < 0.0_wp) return
-      if (100.0_wp*abs(status%energy_error) > sim%options%energy_limit) call fail(error, ERR_RUN, &
-         'the energy error passed its limit in cycle '//str(status%cycle))
+      ! an error that is not a number is within no limit
+      if (100.0_wp*abs(status%energy_error) <= sim%options%energy_limit) return
+      if (abs(status%energy_error) <= huge(1.0_wp)) then
+         call fail(error, ERR_RUN, 'the energy error passed its limit in cycle '// &
+            str(status%cycle))
+      else
+         call fail(error, ERR_RUN, 'the energy is not finite any more in cycle '// &
+            str(status%cycle)//', so its error passes every limit')
+      end if
    end subroutine add_row
 
    !> All channels now; the row of a last state that is no regular sample says so

@@ -12,10 +12,9 @@ submodule (kjoint:kjoint_run) kjoint_step
 contains
 
    module procedure start_simulation
-      if (.not. sim%loaded) then
-         call fail(error, ERR_INPUT, 'no deck is loaded')
-         return
-      else if (sim%options%islands) then
+      call check_loaded(sim, error)
+      if (allocated(error)) return
+      if (sim%options%islands) then
          call fail(error, ERR_INPUT, 'islands march by themselves: a host steps one scene')
          return
       end if
@@ -68,8 +67,11 @@ contains
       type(simulation_t), intent(in) :: sim
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. sim%started) call fail(error, ERR_INPUT, &
-         'the simulation is not started, or an error has ended it')
+      if (sim%running) then
+         call fail(error, ERR_INPUT, RUNS)
+      else if (.not. sim%started) then
+         call fail(error, ERR_INPUT, 'the simulation is not started, or an error has ended it')
+      end if
    end subroutine check_started
 
    module procedure simulation_status

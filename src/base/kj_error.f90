@@ -3,7 +3,8 @@ module kj_error
    implicit none
    private
 
-   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, str, width_of
+   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, code_of, str, &
+      width_of
 
    integer, parameter, public :: ERR_RUN      = 1   !! the run left its valid range (NaN, dt -> 0)
    integer, parameter, public :: ERR_INPUT    = 2   !! the deck or the call is wrong
@@ -118,6 +119,16 @@ contains
          return
       end do
    end subroutine first_error
+
+   !> What a list amounts to: 0 without errors, ERR_FILE when a file is among them, else ERR_INPUT
+   pure integer function code_of(list) result(code)
+      type(finding_list_t), intent(in) :: list
+
+      code = 0
+      if (list%n_error == 0) return
+      code = ERR_INPUT
+      if (any(list%item(:list%n)%code == ERR_FILE)) code = ERR_FILE
+   end function code_of
 
    !> Characters in the decimal text of an integer
    pure integer function width_of(i) result(n)

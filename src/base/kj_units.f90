@@ -43,11 +43,15 @@ module kj_units
       dimension_t('momentum',             [1, 1, -1], .false.), &
       dimension_t('angular momentum',     [1, 2, -1], .false.)]
 
-   !> A triple of base units
+   !> A triple of base units; si is NaN where a file does not say its units, and the symbols are
+   !> words for them
    type :: unit_system_t
       real(wp) :: si(3) = 1.0_wp                                !! SI value of mass, length, time
       character(len=20) :: symbol(3) = ['kg', 'm ', 's ']       !! UDUNITS symbols
    end type unit_system_t
+
+   character(len=20), parameter, public :: NO_UNITS(3) = [character(len=20) :: 'mass', 'length', &
+      'time']
 
 contains
 

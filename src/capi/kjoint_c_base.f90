@@ -25,6 +25,7 @@ module kjoint_c_base
       type(sink_memory_t) :: samples
       type(run_status_t) :: status
       logical :: stepping = .false.              !! the status is that of the scene
+      logical :: running = .false.               !! kj_model_run has it
       type(finding_list_t) :: findings
    end type box_t
 
@@ -101,7 +102,7 @@ contains
       end if
    end subroutine hand_out
 
-   !> Free a handle
+   !> Free a handle; one that runs stays, as its run goes on
    subroutine release(handle, mark)
       type(c_ptr), intent(in) :: handle
       integer, intent(in) :: mark                          !! OF_JOINTS or OF_MODEL
@@ -110,6 +111,7 @@ contains
       integer(c_int) :: status
 
       if (.not. entered(handle, mark, box, status)) return
+      if (box%running) return
       box%mark = 0
       deallocate (box)
    end subroutine release

@@ -4,15 +4,15 @@ module kjoint_c_model
    use, intrinsic :: iso_c_binding, only: c_ptr, c_funptr, c_int, c_size_t, c_double, c_long_long, &
       c_f_pointer, c_f_procpointer, c_associated, c_null_ptr
    use kj_kinds, only: wp
-   use kj_error, only: error_t, ERR_INPUT
+   use kj_error, only: error_t, code_of
    use kj_history, only: history_t
    use kj_run_option, only: KIND_NAME
    use kjoint, only: run_options_t, run_options, read_run_options, write_run_options, &
       simulation_options, run_status_t, monitor_t, load_simulation, run_simulation, &
       start_simulation, advance_simulation, step_simulation, simulation_status, &
       simulation_history, sample_simulation
-   use kjoint_c_base, only: box_t, entered, has_room, hand_out, release, outcome, get_text, &
-      put_text, list_findings, OK, OF_MODEL
+   use kjoint_c_base, only: box_t, entered, has_room, hand_out, release, outcome, refuse, &
+      get_text, put_text, list_findings, OK, OF_MODEL
    implicit none
    private
 
@@ -88,7 +88,7 @@ contains
          call load_simulation(box%sim, deck, controls, chosen, box%findings, error)
       status = outcome(error, text)
       if (status == OK .and. box%findings%n_error > 0) then
-         status = ERR_INPUT
+         status = code_of(box%findings)
          call list_findings(box%findings, .true., text)
       end if
       call hand_out(box, OF_MODEL, status, text, message, size, model)
@@ -194,8 +194,14 @@ contains
          monitor%call_back => call_back
       end if
       monitor%user = user
+      if (box%running) then
+         status = refuse('the model runs: a tick may read its status and stop it', box%message)
+         return
+      end if
       box%stepping = .false.
+      box%running = .true.
       call run_simulation(box%sim, box%samples, monitor, box%status, error)
+      box%running = .false.
       status = outcome(error, box%message)
    end function kj_model_run
 

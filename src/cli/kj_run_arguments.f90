@@ -1,7 +1,7 @@
 !> What the commands that run a deck have in common: options of a run, engine deck, exit code.
 module kj_run_arguments
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, ERR_FILE
+   use kj_error, only: error_t, finding_list_t, fail, code_of, ERR_INPUT
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_schedule, only: has_threads
    use kj_terminal, only: environment
@@ -74,11 +74,7 @@ contains
       type(finding_list_t), intent(in) :: findings
       type(error_t), intent(in), allocatable :: error
 
-      code = 0
-      if (findings%n_error > 0) then
-         code = ERR_INPUT
-         if (any(findings%item(:findings%n)%code == ERR_FILE)) code = ERR_FILE
-      end if
+      code = code_of(findings)
       if (allocated(error)) code = error%code
    end function exit_code
 

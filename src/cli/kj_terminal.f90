@@ -1,12 +1,13 @@
 !> The two streams of the program, what they are connected to, and its end.
 module kj_terminal
-   use, intrinsic :: iso_c_binding, only: c_int
-   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
+   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char, c_ptr, c_f_pointer
+   use, intrinsic :: iso_fortran_env, only: error_unit
    use kj_error, only: error_t, fail, ERR_FILE
    implicit none
    private
 
-   public :: print_line, print_text, write_file, print_error, print_status, is_terminal, &
+   public :: open_streams, print_line, print_text, &
+      write_file, print_error, print_status, is_terminal, &
       may_colour, may_overwrite, environment, quit
 
    integer, parameter, public :: STDOUT = 1, STDERR = 2    !! streams
@@ -21,15 +22,40 @@ module kj_terminal
          import :: c_int
          integer(c_int), value :: code
       end subroutine c_exit
+      type(c_ptr) function c_strerror(number) bind(c, name='strerror')
+         import :: c_int, c_ptr
+         integer(c_int), value :: number
+      end function c_strerror
+      ! kj_stdout.c
+      subroutine kj_open_streams() bind(c)
+      end subroutine kj_open_streams
+      subroutine kj_put_line(text, length) bind(c)
+         import :: c_char, c_size_t
+         character(kind=c_char), intent(in) :: text(*)
+         integer(c_size_t), value :: length
+      end subroutine kj_put_line
+      integer(c_int) function kj_flush() bind(c)
+         import :: c_int
+      end function kj_flush
+      integer(c_int) function kj_write_file(path, text, length) bind(c)
+         import :: c_int, c_char, c_size_t
+         character(kind=c_char), intent(in) :: path(*), text(*)
+         integer(c_size_t), value :: length
+      end function kj_write_file
    end interface
 
 contains
+
+   !> Begin the program: a stream that is closed takes no file of ours
+   subroutine open_streams()
+      call kj_open_streams()
+   end subroutine open_streams
 
    !> A line, or several, on stdout: results
    subroutine print_line(text)
       character(len=*), intent(in) :: text
 
-      write (output_unit, '(a)') text
+      call kj_put_line(text, len(text, c_size_t))
    end subroutine print_line
 
    !> Lines that may already end with a line end, on stdout
@@ -49,7 +75,9 @@ contains
    subroutine print_error(text)
       character(len=*), intent(in) :: text
 
-      flush (output_unit)
+      integer(c_int) :: ignored
+
+      ignored = kj_flush()
       write (error_unit, '(a)') text
       flush (error_unit)
    end subroutine print_error
@@ -61,16 +89,11 @@ contains
       character(len=*), intent(in) :: path, text
       type(error_t), allocatable, intent(out) :: error
 
-      character(len=200) :: why
-      integer :: unit, status
+      integer(c_int) :: reason
 
-      open (newunit=unit, file=path, access='stream', form='unformatted', status='replace', &
-            action='write', iostat=status, iomsg=why)
-      if (status == 0) then
-         write (unit, iostat=status, iomsg=why) text
-         close (unit)
-      end if
-      if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(why))
+      reason = kj_write_file(path//c_null_char, text, len(text, c_size_t))
+      if (reason /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '// &
+         trim(why(reason)))
    end subroutine write_file
 
    !> A line on stderr over the last one; an empty text takes that away
@@ -115,13 +138,35 @@ contains
       if (status == 1) value = ''
    end function environment
 
-   !> End the program with an exit code; nothing is printed
+   !> What the system calls an error
+   function why(number) result(text)
+      integer(c_int), intent(in) :: number
+      character(len=80) :: text
+
+      character(kind=c_char), pointer :: letters(:)
+      integer :: i
+
+      call c_f_pointer(c_strerror(number), letters, [len(text)])
+      text = ''
+      do i = 1, len(text)
+         if (letters(i) == c_null_char) exit
+         text(i:i) = letters(i)
+      end do
+   end function why
+
+   !> End the program with an exit code; where all went well but the output did not arrive, with
+   !> that of a file that cannot be written
    subroutine quit(code)
       integer, intent(in) :: code
 
-      flush (output_unit)
+      integer(c_int) :: reason, last
+
+      last = int(code, c_int)
+      reason = kj_flush()
+      if (reason /= 0) call print_error('error: cannot write the output: '//trim(why(reason)))
+      if (reason /= 0 .and. code == 0) last = ERR_FILE
       flush (error_unit)
-      call c_exit(int(code, c_int))
+      call c_exit(last)
    end subroutine quit
 
 end module kj_terminal

@@ -62,6 +62,7 @@ contains
 
       state%by_steps = self%integrator /= RKMK4
       self%left = 0
+      self%start_end = state%time
       call new_bound(model, .not. state%by_steps, state, self%bound)
       call take_limit(model, state, self)
       if (self%limit >= self%most .or. self%integrator == RKMK4) return
@@ -355,7 +356,7 @@ contains
       state%change = change
       state%scale = max(state%scale, state%energy + abs(state%work))
       state%error = 0.0_wp
-      if (state%scale > 0.0_wp) state%error = change/state%scale
+      if (.not. state%scale <= 0.0_wp) state%error = change/state%scale   ! NaN stays NaN
    end subroutine close_ledger
 
    !> Energy of joints strained by a thousand times the rounding of coordinates: below it an energy

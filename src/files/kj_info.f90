@@ -169,8 +169,9 @@ contains
       integer :: i, owner
 
       unit = unit_text(D_TIME, history%units)
-      call add_fact(text, 'units', trim(history%units%symbol(1))//', '// &
-         trim(history%units%symbol(2))//', '//unit)
+      line = trim(history%units%symbol(1))//', '//trim(history%units%symbol(2))//', '//unit
+      if (.not. all(history%units%si > 0.0_wp)) line = 'not known'
+      call add_fact(text, 'units', line)
       line = ''
       do owner = OF_JOINT, OF_SPRING
          if (allocated(history%entity(owner)%id)) line = joined(line, ', ', &

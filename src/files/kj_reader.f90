@@ -54,7 +54,7 @@ contains
          call open_h5_history(path, reader%h5, history, n_row, error)
          if (allocated(error)) return
          reader%kind = KIND_H5
-         reader%has_units = .true.
+         reader%has_units = all(history%units%si > 0.0_wp)
          allocate (reader%given(history%n_value), source=.true.)
          allocate (reader%unknown(0))
       else

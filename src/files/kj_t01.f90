@@ -14,7 +14,7 @@ module kj_t01
    use kj_t01_file, only: t01_file_t, open_t01_file, close_t01_file
    use kj_t01_content, only: t01_header_t, read_t01_header, t01_rows_t, find_t01_rows, &
       read_t01_block, t01_group_t
-   use kj_units, only: unit_system_t
+   use kj_units, only: unit_system_t, NO_UNITS
    use kj_sort, only: lookup_t, new_lookup, find, sort_unique
    implicit none
    private
@@ -159,7 +159,12 @@ contains
       history%single_precision = reader%file%is_text .or. reader%file%word == 4
       reader%origin = header%origin
       reader%has_units = header%has_units
-      if (header%has_units) call name_units(header%si, history%units)
+      if (header%has_units) then
+         call name_units(header%si, history%units)
+      else
+         history%units%si = ieee_value(1.0_wp, ieee_quiet_nan)
+         history%units%symbol = NO_UNITS
+      end if
       call add_variable(history, CH_TIME, 1)
       allocate (reader%unknown(0))
       reader%source = [1]

@@ -1,5 +1,6 @@
 !> Records of the text form of a Radioss time history (/TFILE type 3): a line that announces the
-!> items of a record, then integers in 10 columns, reals in 16 and texts as they are.
+!> items of a record, then integers in 10 columns, reals in 16 and texts as they are. Some versions
+!> begin with an integer of 5 columns and a shorter title, and write the first line twice.
 module kj_t01_text
    use kj_kinds, only: wp
    use kj_t01_bytes, only: byte_file_t, read_text_line
@@ -23,24 +24,45 @@ contains
       integer :: n
 
       call read_text_line(bytes, line, n)
-      found = n >= 6
-      if (.not. found) return
-      n = len_trim(line(:n))
-      if (n >= 6) found = line(n - 5:n) == 'FORMAT'
+      found = is_first(line, n)
    end subroutine begin_text
 
-   !> Read the line that announces a record: "ZZZZZEOR" and (count, letter) pairs; `count` is the
-   !> sum of the counts with this letter, or -1 at the end of the file and on any other line
+   !> A line of n characters is "<name> FORMAT"
+   pure logical function is_first(line, n)
+      character(len=*), intent(in) :: line
+      integer, intent(in) :: n
+
+      integer :: last
+
+      is_first = n >= 6
+      if (.not. is_first) return
+      last = len_trim(line(:n))
+      if (last >= 6) is_first = line(last - 5:last) == 'FORMAT'
+   end function is_first
+
+   !> Read the line that announces a record
    subroutine read_descriptor(bytes, letter, count)
       type(byte_file_t), intent(in) :: bytes
       character(len=1), intent(in) :: letter         !! I, C or R
-      integer, intent(out) :: count
+      integer, intent(out) :: count                  !! as announced() has it
 
       character(len=LINE_LENGTH) :: line
-      integer :: n, i, number
+      integer :: n
+
+      call read_text_line(bytes, line, n)
+      count = announced(line, n, letter)
+   end subroutine read_descriptor
+
+   !> "ZZZZZEOR" and (count, letter) pairs: the sum of the counts with this letter, or -1 at the end
+   !> of the file and on any other line
+   pure integer function announced(line, n, letter) result(count)
+      character(len=*), intent(in) :: line
+      integer, intent(in) :: n                       !! characters of the line, -1 = none
+      character(len=1), intent(in) :: letter         !! I, C or R
+
+      integer :: i, number
 
       count = -1
-      call read_text_line(bytes, line, n)
       if (n < 8) return
       if (line(:8) /= 'ZZZZZEOR') return
       count = 0
@@ -53,7 +75,7 @@ contains
             number = 0
          end if
       end do
-   end subroutine read_descriptor
+   end function announced
 
    !> Read reals in columns of 16, 5 a line; not ok when one is not a number
    subroutine read_text_reals(bytes, values, ok)
@@ -104,17 +126,20 @@ contains
       character(len=:), allocatable, intent(out) :: text     !! without blanks at its end
       logical, intent(out) :: ok
 
-      integer :: i, announced
+      character(len=LINE_LENGTH) :: line
+      integer :: i, n
 
       text = ''
-      call read_descriptor(bytes, 'I', announced)
-      ok = announced == n_lead + n_trail
+      call read_text_line(bytes, line, n)
+      if (is_first(line, n)) call read_text_line(bytes, line, n)    ! a second time
+      ok = announced(line, n, 'I') == n_lead + n_trail
       if (.not. ok) then
          allocate (ints(0))
       else if (n_char > 0) then
          allocate (ints(n_lead + n_trail))
          ints = 0
-         call read_mixed_line(bytes, n_lead, n_char, n_trail, ints, text, ok)
+         call read_mixed_line(bytes, n_lead, [n_char, announced(line, n, 'C')], n_trail, ints, &
+            text, ok)
       else
          allocate (ints(0))
          do i = 1, n_lead, INTS_A_LINE
@@ -127,45 +152,57 @@ contains
    !> Integers, a text and integers on one line
    subroutine read_mixed_line(bytes, n_lead, n_char, n_trail, ints, text, ok)
       type(byte_file_t), intent(in) :: bytes
-      integer, intent(in) :: n_lead, n_char, n_trail
+      integer, intent(in) :: n_lead, n_trail
+      integer, intent(in) :: n_char(2)               !! as the header has it, as announced
       integer, intent(inout) :: ints(:)
       character(len=:), allocatable, intent(inout) :: text
       logical, intent(out) :: ok
 
       character(len=LINE_LENGTH) :: line
-      integer :: n, start, last
+      integer :: n, start, last, n_text
 
       call read_text_line(bytes, line, n)
       start = 0
-      if (n >= 0) call cut_lead(line, n, n_char + SHORT_INT_WIDTH*n_trail, ints(:n_lead), start)
+      n_text = n_char(1)
+      if (n >= 0) call cut_lead(line, n, n_char, SHORT_INT_WIDTH*n_trail, ints(:n_lead), start, &
+         n_text)
       ok = n >= 0 .and. start >= 0
-      last = start + n_char + SHORT_INT_WIDTH*n_trail
+      last = start + n_text + SHORT_INT_WIDTH*n_trail
       ok = ok .and. last <= len(line)
       if (.not. ok) return
-      text = trim(line(start + 1:start + n_char))
-      call cut_ints(line(start + n_char + 1:last), SHORT_INT_WIDTH, ints(n_lead + 1:), ok)
+      text = trim(line(start + 1:start + n_text))
+      call cut_ints(line(start + n_text + 1:last), SHORT_INT_WIDTH, ints(n_lead + 1:), ok)
    end subroutine read_mixed_line
 
-   !> Integers before a text: 10 columns each, or 10 for the first and 5 for the others
-   subroutine cut_lead(line, length, n_rest, ints, start)
+   !> Integers before a text: 10 columns each, or 10 for the first and 5 for the others, or 5 each
+   subroutine cut_lead(line, length, n_char, n_rest, ints, start, n_text)
       character(len=*), intent(in) :: line
-      integer, intent(in) :: length, n_rest         !! columns of the line; after the integers
+      integer, intent(in) :: length                 !! columns of the line
+      integer, intent(in) :: n_char(2), n_rest      !! those the text may have; those after it
       integer, intent(inout) :: ints(:)
       integer, intent(out) :: start                 !! columns of the integers, -1 = none fits
+      integer, intent(out) :: n_text                !! columns of the text
 
-      integer :: columns(2), widths(2), i
+      integer, parameter :: FIRST(3) = [INT_WIDTH, INT_WIDTH, SHORT_INT_WIDTH]
+      integer, parameter :: OTHERS(3) = [INT_WIDTH, SHORT_INT_WIDTH, SHORT_INT_WIDTH]
+      integer :: columns(3, 2), i, k
       logical :: exact, ok
 
-      widths = [INT_WIDTH, SHORT_INT_WIDTH]
-      columns = INT_WIDTH*min(size(ints), 1) + widths*max(size(ints) - 1, 0)
+      do k = 1, 2
+         columns(:, k) = FIRST*min(size(ints), 1) + OTHERS*max(size(ints) - 1, 0) + n_char(k) + &
+            n_rest
+      end do
       ! the length of the line tells, unless blanks at its end were lost
-      exact = any(columns + n_rest == length)
-      do i = 1, 2
-         start = columns(i)
-         if (start > len(line) .or. length > start + n_rest) cycle
-         if (exact .and. start + n_rest /= length) cycle
-         call cut_ints(line(:start), widths(i), ints, ok)
-         if (ok) return
+      exact = any(columns == length)
+      do k = 1, 2
+         do i = 1, 3
+            n_text = n_char(k)
+            start = columns(i, k) - n_text - n_rest
+            if (start > len(line) .or. length > columns(i, k)) cycle
+            if (exact .and. columns(i, k) /= length) cycle
+            call cut_ints(line(:start), OTHERS(i), ints, ok)
+            if (ok) return
+         end do
       end do
       start = -1
    end subroutine cut_lead

@@ -42,7 +42,9 @@ contains
       now%energy_error = 0.0_wp
       if (abs(state%energy0 + state%work) < 1.0e-20_wp) return
       now%energy_error = energy/(state%energy0 + state%work) - 1.0_wp
-      now%energy_error = max(-0.999_wp, min(0.999_wp, now%energy_error))
+      ! one that is not a number stays that
+      if (now%energy_error < -0.999_wp) now%energy_error = -0.999_wp
+      if (now%energy_error > 0.999_wp) now%energy_error = 0.999_wp
    end subroutine show_legacy
 
    !> Cycle, time, step and who limits it

@@ -127,6 +127,18 @@ class Run(Program):
         self.assertIn("ERROR TERMINATION", done.stdout)
         self.assertIn("ERROR", self.kjoint("info", "REV01.h5").stdout)
 
+    def test_a_loss_of_energy_counts_as_a_gain_does(self):
+        # imposed displacement: T01 and kjoint lose up to 2 %, and never gain
+        deck = CASE.parent / "IMD01" / "IMD01_0000.rad"
+        self.kjoint("run", "--legacy", "-q", deck, "--energy-limit", "3")
+        self.kjoint("run", "--legacy", "-q", deck, "--energy-limit", "1", code=1)
+
+    def test_an_energy_that_is_not_a_number_passes_every_limit(self):
+        # gravity on a mass of 1e200 kg: the square of its force is beyond the numbers
+        self.deck_with("                 2.0      1003", "               1e200      1003")
+        done = self.kjoint("run", "REV01_0000.rad", code=1)
+        self.assertIn("not finite", done.stderr)
+
     def test_quiet_says_nothing(self):
         done = self.kjoint("run", "--legacy", "-q", "-i", "REV01_0000.rad", "-o", "a.h5")
         self.assertEqual(("", ""), (done.stdout, done.stderr))
@@ -406,6 +418,63 @@ class Errors(Program):
     def test_unknown_keywords_are_errors_until_they_are_ignored(self):
         self.deck_with("/END", "/NONSENSE/1\ntitle\n/END")
         self.assertIn("NONSENSE", self.kjoint("run", "--legacy", "REV01_0000.rad", code=2).stderr)
+
+
+class Streams(Program):
+    """Output that does not arrive is an error of a file, whatever the command."""
+
+    COMMANDS = (["--version"], ["help"], ["help", "run"], ["help", "KJ-0078"], ["list", "joints"],
+                ["list", "keywords"], ["list", "channels"], ["check", "REV01_0000.rad"],
+                ["check", "--json", "REV01_0000.rad"], ["run", "REV01_0000.rad", "-o", "b.h5"],
+                ["run", "--json", "REV01_0000.rad", "-o", "b.h5"],
+                ["run", "-q", "REV01_0000.rad", "-o", "b.h5", "--trace", "900"],
+                ["info", "a.h5"], ["diff", "a.h5", "a.h5"], ["diff", "--json", "a.h5", "a.h5"],
+                ["convert", CASE / "REV01T01"],
+                ["study", "REV01_0000.rad", "--scales", "0.9", "--stiffness", "0.1"])
+
+    def setUp(self):
+        super().setUp()
+        self.kjoint("run", "-q", "REV01_0000.rad", "-o", "a.h5")
+
+    def with_stdout(self, words, place, code):
+        done = subprocess.run(["sh", "-c", f'exec "$@" >{place}', "sh", KJOINT, *map(str, words)],
+                              cwd=self.folder, capture_output=True, text=True, timeout=300,
+                              check=False)
+        self.assertEqual(code, done.returncode, (words, done.stderr))
+        return done.stderr
+
+    def test_a_full_stdout_is_a_file_error(self):
+        for words in self.COMMANDS:
+            said = self.with_stdout(words, "/dev/full", 3)
+            self.assertIn("cannot write the output: No space left on device", said)
+        # the run itself went well
+        self.kjoint("diff", "a.h5", "b.h5", "--profile", "exact")
+
+    def test_a_worse_exit_code_stays(self):
+        self.kjoint("run", "-q", "REV01_0000.rad", "-o", "c.h5", "--dt-scale", "0.4")
+        self.with_stdout(["diff", "a.h5", "c.h5", "--profile", "exact"], "/dev/full", 1)
+        self.with_stdout(["list", "nothing"], "/dev/full", 2)
+
+    def test_a_closed_stdout_takes_no_file_of_ours(self):
+        said = self.with_stdout(["run", "REV01_0000.rad", "-o", "c.h5"], "&-", 3)
+        self.assertIn("cannot write the output", said)
+        self.kjoint("diff", "a.h5", "c.h5", "--profile", "exact")
+        self.with_stdout(["run", "-q", "REV01_0000.rad", "-o", "d.h5"], "&- 2>&- <&-", 0)
+        self.kjoint("diff", "a.h5", "d.h5", "--profile", "exact")
+
+    def test_a_full_stderr_changes_nothing(self):
+        self.with_stdout(["run", "REV01_0000.rad", "-o", "c.h5"], "/dev/null 2>/dev/full", 0)
+        self.with_stdout(["run", "nowhere_0000.rad"], "/dev/null 2>/dev/full", 3)
+
+    def test_a_text_file_that_does_not_arrive_is_an_error(self):
+        # no file may grow beyond 512 bytes, and nobody ends the program for it
+        for words in (["diff", "a.h5", "a.h5", "--junit", "verdict.xml"],
+                      ["study", "-q", "REV01_0000.rad", "--scales", "0.9", "--stiffness", "0.1"]):
+            done = subprocess.run(["sh", "-c", 'trap "" XFSZ; ulimit -f 1; exec "$@"', "sh", KJOINT,
+                                   *words], cwd=self.folder, capture_output=True, text=True,
+                                  timeout=300, check=False)
+            self.assertEqual(3, done.returncode, done.stdout + done.stderr)
+            self.assertIn("File too large", done.stderr)
 
 
 class Signals(Program):

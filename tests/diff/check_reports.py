@@ -95,6 +95,33 @@ def check_convert(kjoint, folder, time):
     claim(status == 0, f"diff of a file with its conversion: {out}")
 
 
+def check_text(kjoint, folder):
+    """Text T01 (/TFILE type 3) of several versions, which say no units. plainT01 is made by hand: a
+    first record of an integer in 5 columns and 72 characters, and its first line a second time."""
+    first, *rest = (pathlib.Path(__file__).parent / "plainT01").read_text().splitlines(True)
+    old, title = " 3040block", "block on a rope"
+    claim(rest[1].startswith(old) and rest[2] == first, "text: the file is the one that is meant")
+    wide = f"{3040:10d}{title:80}\n"
+    forms = {"plain": rest,                                    # I5 and 72, the line twice
+             "once": rest[:2] + rest[3:],                      # I5 and 72
+             "wide": [rest[0], wide] + rest[2:],               # I10 and 80, announced as 72
+             "old": [rest[0].replace("72", "80"), wide] + rest[3:],
+             "stripped": [line.rstrip() + "\n" for line in rest]}
+    for name, lines in forms.items():
+        (folder / f"{name}T01").write_text("".join([first, *lines]))
+        status, _, err = run(kjoint, folder, "convert", f"{name}T01", "-o", "text.h5")
+        claim(status == 0, f"text {name}: exit {status} {err}")
+        with h5py.File(folder / "text.h5", "r") as file:
+            claim(file.attrs["title"] == title, f"text {name}: title")
+            # as the file has it: at 0.1 the momentum is 3 and the mass 4, at 0.2 twice and 4
+            claim(np.array_equal(file["time"][:], [0.0, 0.1, 0.2]), f"text {name}: time")
+            claim(np.array_equal(file["momentum_z"][:], [0.0, 3.0, 6.0]), f"text {name}: momentum")
+            claim(file["momentum_z"].attrs["units"] == "mass length time-1", f"text {name}: unit")
+        claim("not known" in run(kjoint, folder, "info", "text.h5")[1], f"text {name}: units in info")
+    (folder / "brokenT01").write_text("".join([first, *rest]).replace("ZZZZZEOR   12I", first, 1))
+    claim(run(kjoint, folder, "convert", "brokenT01")[0] == 3, "text: a damaged file")
+
+
 def main(kjoint):
     kjoint = pathlib.Path(kjoint).resolve()
     with tempfile.TemporaryDirectory() as name:
@@ -105,6 +132,7 @@ def main(kjoint):
             check_json(kjoint, folder, time)
             check_junit(kjoint, folder)
             check_convert(kjoint, folder, time)
+            check_text(kjoint, folder)
         except Failure as failure:
             print(f"{sys.argv[0]}: {failure}")
             return 1

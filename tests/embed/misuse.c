@@ -175,6 +175,43 @@ static void element_level(void) {
   kj_joints_free(joints);
 }
 
+/* Does in a tick what only a host may do; the run goes on as if nothing had been. */
+static int meddle(const kj_run_status *status, void *user) {
+  kj_model *model = user;
+  kj_run_status now;
+  double v[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
+
+  BAD(kj_model_run(model, NULL, NULL), KJ_INPUT, "runs");
+  BAD(kj_model_start(model), KJ_INPUT, "runs");
+  BAD(kj_model_advance(model, 1.0), KJ_INPUT, "runs");
+  BAD(kj_model_step(model), KJ_INPUT, "runs");
+  BAD(kj_model_sample(model), KJ_INPUT, "runs");
+  BAD(kj_model_set_body_load(model, 2, v, v), KJ_INPUT, "runs");
+  BAD(kj_model_set_load_factor(model, 1, 0.0), KJ_INPUT, "runs");
+  BAD(kj_model_set_body_velocity(model, 2, v, v), KJ_INPUT, "runs");
+  BAD(kj_model_set_body_pose(model, 2, v, q), KJ_INPUT, "runs");
+  BAD(kj_model_lock_joint(model, 900, 1), KJ_INPUT, "runs");
+  kj_model_free(model);
+  BAD(kj_model_status(model, &now), KJ_OK, "");
+  expect(__LINE__, now.cycle != status->cycle, 0, "another cycle", NULL);
+  return 0;
+}
+
+static void meddled_run(const char *deck) {
+  kj_model *model = NULL;
+  kj_run_status plain, meddled;
+
+  if (kj_model_load(deck, NULL, "until=0.001", &model, text, sizeof text) != KJ_OK) return;
+  BAD(kj_model_run(model, NULL, NULL), KJ_OK, "");
+  BAD(kj_model_status(model, &plain), KJ_OK, "");
+  BAD(kj_model_run(model, meddle, model), KJ_OK, "");
+  BAD(kj_model_status(model, &meddled), KJ_OK, "");
+  expect(__LINE__, plain.cycle != meddled.cycle, 0, "not the same cycles", NULL);
+  expect(__LINE__, plain.kinetic != meddled.kinetic, 0, "not the same run", NULL);
+  BAD(kj_model_start(model), KJ_OK, "");
+  kj_model_free(model);
+}
+
 static void model_level(const char *deck) {
   kj_model *model = NULL;
   kj_joints *joints = NULL;
@@ -189,7 +226,10 @@ static void model_level(const char *deck) {
   NULLS(kj_joint_type(99, text, sizeof text, ids));
   NULLS(kj_model_options(NULL, text, sizeof text));
   kj_model_free(NULL);
-  NEW(kj_model_load("there_is_no_such_0000.rad", NULL, NULL, &model, text, sizeof text), "");
+  expect(__LINE__, kj_model_load("there_is_no_such_0000.rad", NULL, NULL, &model, text, sizeof text),
+         KJ_FILE, text, "there_is_no_such");
+  expect(__LINE__, kj_model_load(deck, "there_is_no_such_0001.rad", NULL, &model, text, sizeof text),
+         KJ_FILE, text, "there_is_no_such");
   NEW(kj_model_load(NULL, NULL, NULL, &model, text, sizeof text), "null");
   NEW(kj_model_load(deck, NULL, NULL, NULL, text, sizeof text), "null");
   NEW(kj_model_load(deck, NULL, "formulation=fast", &model, text, sizeof text), "fast");
@@ -248,6 +288,7 @@ static void model_level(const char *deck) {
 int main(int argc, char **argv) {
   element_level();
   model_level(argc > 1 ? argv[1] : "");
+  meddled_run(argc > 1 ? argv[1] : "");
   printf("%d of %d wrong calls were not refused as they should be\n", failed, checked);
   return failed > 0;
 }

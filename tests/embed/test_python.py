@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """The Python module on both levels. usage: test_python.py REV01_0000.rad UNI01_0000.rad"""
 import os
+import signal
 import sys
 import tempfile
+import threading
 import unittest
 
 import numpy as np
@@ -121,6 +123,17 @@ class Models(unittest.TestCase):
                 model.step()
         with self.assertRaisesRegex(kjoint.Error, "body 2 turns by more than 1 rad"):
             model.step()
+
+    def test_a_second_run_gives_the_bits_of_the_first(self):
+        # a run begins with shorter steps for a while: that, too, begins anew
+        for formulation in ("consistent", "legacy"):
+            model = kjoint.Model(REV01, until=0.02, sample=1e-3, formulation=formulation)
+            first = model.run()["joint/force"]
+            np.testing.assert_array_equal(first, model.run()["joint/force"])
+            model.start()
+            for time in first[:, 0, 0]:
+                model.step()
+            np.testing.assert_array_equal(first, model.run()["joint/force"])
 
     def test_a_locked_joint_stays(self):
         m = kjoint.Mechanism("locked", gravity=(0, 0, -9.81))
@@ -268,6 +281,145 @@ class Elements(unittest.TestCase):
         joints.forces(0.0, 0.0, x, zero, zero, np.zeros((2, 3)), np.zeros((2, 3)))
         kn, kr = joints.stiffness()
         np.testing.assert_allclose(kn, 2*100*(0.5 + np.sqrt(1.25))**2, rtol=1e-12)
+
+
+class Misuse(unittest.TestCase):
+    """What a host in Python may do wrong: an exception, and the interpreter lives on."""
+
+    def model(self, **options):
+        return kjoint.Model(REV01, until=0.02, sample=1e-3, **options)
+
+    def refused(self, call, status=2):
+        with self.assertRaises(kjoint.Error) as caught:
+            call()
+        self.assertEqual(status, caught.exception.status)
+        return str(caught.exception)
+
+    def test_what_watch_raises_comes_out_of_the_run(self):
+        for raised in (ValueError("enough"), KeyboardInterrupt(), SystemExit(3)):
+            seen = []
+
+            def watch(status):
+                seen.append(status.cycle)
+                raise raised
+
+            model = self.model()
+            with self.assertRaises(type(raised)) as caught:
+                model.run(watch)
+            self.assertIs(raised, caught.exception)
+            self.assertEqual(1, len(seen))               # the run ended there
+            self.assertEqual(0.02, model.run().status.time)
+
+    def test_an_interrupt_ends_a_run(self):
+        # signals that come while the run is in the library, and while it is in watch
+        def send(status):
+            os.kill(os.getpid(), signal.SIGINT)
+
+        with self.assertRaises(KeyboardInterrupt):
+            self.model().run(send)
+        model = kjoint.Model(REV01, until=1e6, sample=1.0)
+        before = signal.getsignal(signal.SIGINT)
+        threading.Timer(0.2, send, [None]).start()
+        with self.assertRaises(KeyboardInterrupt):
+            model.run()
+        self.assertIs(before, signal.getsignal(signal.SIGINT))
+
+    def test_a_status_can_be_kept(self):
+        kept = []
+        self.model().run(lambda status: kept.append(status))
+        cycles = [status.cycle for status in kept]
+        self.assertEqual(sorted(set(cycles)), cycles[:-1])   # the last is told again at the end
+
+    def test_a_running_model_is_only_read_by_who_watches_it(self):
+        model = self.model()
+        said = []
+
+        def watch(status):
+            self.assertEqual(status.cycle, model.status.cycle)
+            for call in (model.run, model.start, model.step, lambda: model.advance(1.0),
+                         model.sample, lambda: model.set_body_load(2)):
+                said.append(self.refused(call))
+            return True
+
+        model.run(watch)
+        self.assertLessEqual(6, len(said))
+        for text in said:
+            self.assertIn("runs", text)
+        np.testing.assert_array_equal(self.model().run()["time"], model.run()["time"])
+
+    def test_another_thread_is_refused(self):
+        model, said = self.model(), []
+
+        def other():
+            for call in (model.run, model.start, lambda: model.status, lambda: model["time"],
+                         lambda: model.write_history("x.h5"), lambda: model.title):
+                said.append(self.refused(call))
+
+        def watch(status):
+            thread = threading.Thread(target=other)
+            thread.start()
+            thread.join()
+            return True
+
+        model.run(watch)
+        self.assertLessEqual(6, len(said))
+        for text in said:
+            self.assertIn("another thread", text)
+
+    def test_four_threads_on_one_model(self):
+        model, ended = self.model(), []
+
+        def use():
+            for _ in range(5):
+                try:
+                    model.run()
+                    ended.append("run")
+                except kjoint.Error as error:
+                    ended.append(error.status)
+
+        threads = [threading.Thread(target=use) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(20, len(ended))
+        self.assertIn("run", ended)
+        self.assertLessEqual(set(ended), {"run", 2})
+
+    def test_a_missing_file_is_a_file_error(self):
+        self.refused(lambda: kjoint.Model("nowhere_0000.rad"), 3)
+        self.refused(lambda: kjoint.Model(REV01, "nowhere_0001.rad"), 3)
+        self.refused(lambda: self.model().run().write_history("/no/such/folder/x.h5"), 3)
+
+    def test_a_text_is_one_text(self):
+        with self.assertRaises(ValueError):
+            kjoint.Model(REV01, integrator="split2 islands=1")
+        for call in (lambda: kjoint.Model(REV01 + "\0"), lambda: kjoint.Joints(2, "legacy\0"),
+                     lambda: self.model().unit("time\0")):
+            with self.assertRaises(ValueError):
+                call()
+
+    def test_a_title_is_no_card(self):
+        for text in ("a\n/END", "a\r/END", "/END", " /END", "# a", "$ a", "a\x1b[2J", "a\u2028b"):
+            with self.assertRaises(ValueError):
+                kjoint.Mechanism(text)
+            mechanism = kjoint.Mechanism("é, a title")
+            with self.assertRaises(ValueError):
+                mechanism.body(1.0, (1, 1, 1), (0, 0, 0), name=text)
+            body = mechanism.body(1.0, (1, 1, 1), (0, 0, 0))
+            with self.assertRaises(ValueError):
+                mechanism.joint("revolute", mechanism.ground(), body, (0, 0, 0), name=text)
+            mechanism.title = text
+            with self.assertRaises(ValueError):
+                mechanism.deck()
+
+    def test_a_number_stays_in_its_columns(self):
+        # -1e-101 has an exponent of three digits: the next field must not be pushed away
+        mechanism = kjoint.Mechanism("far")
+        body = mechanism.body(2.0, (1, 1, 1), at=(-1e-101, -1.25, 2.5))
+        mechanism.joint("free", mechanism.ground(), body, at=(0, 0, 0))
+        model = mechanism.model(until=0.1, sample=0.1).start()
+        np.testing.assert_array_equal([-1e-101, -1.25, 2.5], list(model.body(body).position))
 
 
 if __name__ == "__main__":
