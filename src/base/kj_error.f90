@@ -3,8 +3,8 @@ module kj_error
    implicit none
    private
 
-   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, code_of, str, &
-      width_of
+   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, code_of, &
+      str, width_of
 
    integer, parameter, public :: ERR_RUN      = 1   !! the run left its valid range (NaN, dt -> 0)
    integer, parameter, public :: ERR_INPUT    = 2   !! the deck or the call is wrong

@@ -6,9 +6,8 @@ module kj_terminal
    implicit none
    private
 
-   public :: open_streams, print_line, print_text, &
-      write_file, print_error, print_status, is_terminal, &
-      may_colour, may_overwrite, environment, quit
+   public :: open_streams, print_line, print_text, write_file, print_error, print_status, &
+      is_terminal, may_colour, may_overwrite, environment, quit
 
    integer, parameter, public :: STDOUT = 1, STDERR = 2    !! streams
    character, parameter, public :: ESC = achar(27)
