@@ -33,11 +33,9 @@ contains
       integer(int8), allocatable :: byte(:)
       logical :: lost
 
-      if (.not. sim%loaded) then
-         call fail(error, ERR_INPUT, 'no deck is loaded')
-      else if (.not. (sim%started .or. sim%restored)) then
+      call check_loaded(sim, error)
+      if (.not. allocated(error) .and. .not. (sim%started .or. sim%restored)) &
          call start_scheme(sim%model, sim%scheme, error)
-      end if
       if (allocated(error)) return
       byte = state
       call restore_scene(byte, sim%options, sim%history, sim%rows, sim%model, sim%scheme, &
