@@ -60,7 +60,7 @@ typedef struct kj_joint_spec {
   double axes[3][3];   /* joint frame at the start: axes[0] is x, axes[1] y, axes[2] z, in W;
                           universal: y the axis of end 1, z that of end 2 */
   double kn;           /* stiffness of blocked directions, force/length */
-  double cr;           /* their critical damping ratio, 0 to 1; 0 stands for 0.05 */
+  double cr;           /* twice their damping ratio, 0 to 1; 0 stands for 0.05 */
   double k[6], c[6];   /* stiffness and damping of free directions, or scale of the curve (0: 1) */
   int k_curve[6];      /* force over displacement, a number from kj_joints_curve, or KJ_NONE */
   int c_curve[6];      /* force over velocity */

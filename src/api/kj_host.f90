@@ -32,7 +32,7 @@ module kj_host
       !> joint frame at the start, columns x y z, W; universal: y the axis of end 1, z that of end 2
       real(wp) :: axes(3, 3) = IDENTITY
       real(wp) :: kn = 0.0_wp                    !! stiffness of blocked directions, force/length
-      real(wp) :: cr = 0.0_wp                    !! their critical damping ratio, 0 to 1; 0 is 0.05
+      real(wp) :: cr = 0.0_wp                    !! twice their damping ratio, 0 to 1; 0 is 0.05
       !> stiffness of free directions, tx ty tz rx ry rz, or scale of the curve (0 is 1)
       real(wp) :: k(NDOF) = 0.0_wp
       real(wp) :: c(NDOF) = 0.0_wp               !! damping likewise

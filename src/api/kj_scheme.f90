@@ -7,7 +7,7 @@ module kj_scheme
       SEV_WARNING
    use kj_block, only: block_of, lane_of
    use kj_joint_batch, only: has_friction
-   use kj_model, only: model_t, STOP_BELOW, SCALE_MASS, SCALE_MASS_NEXT
+   use kj_model, only: model_t, STOP_BELOW
    use kj_snapshot, only: snapshot_t, inside_t, new_snapshot
    use kj_legacy_state, only: legacy_state_t, new_legacy_state
    use kj_legacy_step, only: find_accelerations, advance
@@ -89,9 +89,6 @@ contains
 
       if (self%legacy) then
          call warn_legacy(model%model_t, findings)
-      else if (any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])) then
-         call fail(error, ERR_INPUT, &
-            '/DT/NODA/CST adds mass: only the legacy formulation does that')
       else
          if (step_factor(model) < dt_scale) call note(findings, SEV_NOTE, 'KJ-9042', &
             '--dt-scale is 0.5 at most where stops meet joints with hardly any damping')

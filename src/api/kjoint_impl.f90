@@ -43,7 +43,7 @@ contains
          path = engine
          if (len(path) == 0) path = starter(:root_length(starter))//'_0001.rad'   ! of the engine
          call read_engine(path, controls, engine_source, draft%deck%findings, &
-            options%ignore_unsupported)
+            options%ignore_unsupported, sim%scheme%legacy)
       end if
       if (draft%deck%readable) call build_model(draft, controls, sim%model%model_t, &
          sim%scheme%legacy)

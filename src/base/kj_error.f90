@@ -4,7 +4,7 @@ module kj_error
    private
 
    public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, code_of, &
-      str, width_of
+      has_finding, str, width_of
 
    integer, parameter, public :: ERR_RUN      = 1   !! the run left its valid range (NaN, dt -> 0)
    integer, parameter, public :: ERR_INPUT    = 2   !! the deck or the call is wrong
@@ -129,6 +129,20 @@ contains
       code = ERR_INPUT
       if (any(list%item(:list%n)%code == ERR_FILE)) code = ERR_FILE
    end function code_of
+
+   !> A finding with this id is in a list
+   pure logical function has_finding(list, id)
+      type(finding_list_t), intent(in) :: list
+      character(len=*), intent(in) :: id
+
+      integer :: i
+
+      has_finding = .true.
+      do i = 1, list%n
+         if (list%item(i)%id == id) return
+      end do
+      has_finding = .false.
+   end function has_finding
 
    !> Characters in the decimal text of an integer
    pure integer function width_of(i) result(n)

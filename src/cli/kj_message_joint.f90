@@ -28,8 +28,10 @@ module kj_message_joint
    message_t('KJ-0387', SEV_ERROR, 'the blocking stiffness is zero', &
       'All joints but the free ones hold their blocked directions by the stiffness Kn.', &
       'Give Kn a positive value; the time step falls as its square root.'), &
-   message_t('KJ-0388', SEV_ERROR, 'the critical damping ratio is out of range', &
-      'Cr must lie between 0 and 1; 0 stands for 0.05.', 'Correct the value.'), &
+   message_t('KJ-0388', SEV_ERROR, 'the damping Cr is out of range', &
+      'Cr = c/sqrt(K m) is twice the damping ratio of the blocked directions: the default 0.05 '// &
+      'damps with 0.025, and Cr = 1, the most, with half of the critical damping.', &
+      'Write 0 to 1; 0 stands for 0.05.'), &
    message_t('KJ-0389', SEV_ERROR, 'the axes of a universal joint are not perpendicular', &
       'The x axes of the two skews of a type 5 joint are its cross and must be at right angles.', &
       'Turn one of the skews.'), &
@@ -119,9 +121,10 @@ module kj_message_joint
    message_t('KJ-3126', SEV_ERROR, 'the function of a joint does not exist', &
       'A joint property names a function that no /FUNCT defines.', &
       'Define the function, or correct the id.'), &
-   message_t('KJ-9028', SEV_ERROR, 'an old layout of /PROP/KJOINT2', &
-      'Before version 2019 the cards of /PROP/KJOINT2 were others, which are not supported.', &
-      'Convert the property and raise the version in /BEGIN.'), &
+   message_t('KJ-9028', SEV_WARNING, 'a /PROP/KJOINT2 before its time', &
+      'The property came with format version 120; in an older deck its cards are read as those '// &
+      'of 120.', &
+      'Look whether `kjoint check` shows the values that you mean.'), &
    message_t('KJ-9042', SEV_NOTE, 'stops without damping take shorter steps', &
       'Steps change at every stop, which shakes blocked directions that ring. Where some Cr '// &
       'is below 0.01 steps are half of the critical one at most.', &

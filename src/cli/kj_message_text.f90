@@ -130,6 +130,31 @@ module kj_message_text
    message_t('KJ-9040', SEV_WARNING, 'an engine keyword stands twice', 'As in Radioss, the first one holds.', 'Remove one.'), &
    message_t('KJ-9041', SEV_WARNING, 'limits of /STOP and /KILL do not act', 'kjoint has a limit of the energy error of its own.', &
       'Use --energy-limit.'), &
+   message_t('KJ-9061', SEV_ERROR, 'a keyword of the engine deck in the starter deck', &
+      'The deck seems to hold starter and engine deck in one file.', &
+      'Put the lines from /RUN on into a file of their own, ROOT_0001.rad.'), &
+   message_t('KJ-9062', SEV_ERROR, 'a deck of another program', &
+      'Keywords that begin with * are those of LS-DYNA or Abaqus; kjoint reads the block '// &
+      'format of Radioss.', &
+      'Convert the deck.'), &
+   message_t('KJ-9063', SEV_NOTE, 'an old format version', &
+      'Cards whose layout of that time is not known are read as those of 2017.', &
+      'Look whether `kjoint check` shows the values that you mean.'), &
+   message_t('KJ-9064', SEV_ERROR, 'a negative number in the run control', &
+      'End time, interval of the histories, factor and least value of the step, first step '// &
+      'must not be below zero.', &
+      'Correct the sign; 0 stands for the default.'), &
+   message_t('KJ-9065', SEV_WARNING, 'a factor of the time step above 1', &
+      'The step is the factor times the critical one. Beyond that the scheme is unstable.', &
+      'Write 0.9, or 0 for the default.'), &
+   message_t('KJ-9066', SEV_ERROR, 'the run goes on from a restart file', &
+      '/RUN/name/2 and above go on where the run before ended. Restart files of other '// &
+      'solvers are not read.', &
+      'Run from the start: the deck of run 1 with --until and the last end time.'), &
+   message_t('KJ-9067', SEV_ERROR, 'the time step is held by added mass', &
+      '/DT/NODA/CST adds mass to nodes and bodies until their step is as wanted. The '// &
+      'consistent formulation changes no mass.', &
+      'Run with --legacy; with --ignore-unsupported; or lower Kn until the step is as wanted.'), &
    message_t('KJ-9153', SEV_ERROR, 'histories relative to a frame', &
       'A /TH/NODE may name a skew for its components; frames are not supported.', &
       'Name a skew, or 0.'), &

@@ -53,7 +53,7 @@ module kj_card_fields
    field_t(KW_KJOINT, EACH, 2,  ONCE,  1,  10, 'skew_1',    'i', D_NUMBER,        0, 'moving skew on body 1'), &
    field_t(KW_KJOINT, EACH, 2,  ONCE, 11,  20, 'skew_2',    'i', D_NUMBER,        0, 'moving skew on body 2, 0 = none'), &
    field_t(KW_KJOINT, EACH, 2,  ONCE, 21,  40, 'Xk',        'r', D_STIFFNESS,     0, 'stiffness for contacts'), &
-   field_t(KW_KJOINT, EACH, 2,  ONCE, 41,  60, 'Cr',        'r', D_NUMBER,        0, 'critical damping ratio'), &
+   field_t(KW_KJOINT, EACH, 2,  ONCE, 41,  60, 'Cr',        'r', D_NUMBER,        0, 'twice the damping ratio'), &
    field_t(KW_KJOINT, 1, 3,  ONCE,  1,  20, 'Kn',        'r', D_STIFFNESS,     0, 'stiffness of the blocked directions'), &
    field_t(KW_KJOINT, 1, 3,  ONCE, 21,  40, 'Krx',       'r', D_ROT_STIFFNESS, 0, 'stiffness about x, or scale of f_Krx'), &
    field_t(KW_KJOINT, 1, 3,  ONCE, 41,  60, 'Kry',       'r', D_ROT_STIFFNESS, 0, 'stiffness about y, or scale of f_Kry'), &
@@ -149,7 +149,7 @@ module kj_card_fields
    field_t(KW_KJOINT2, EACH, 1,  ONCE,  1,  10, 'type',      'i', D_NUMBER,    0, 'number of the joint type'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 11,  30, 'Kn',        'r', D_STIFFNESS, 0, 'blocking stiffness, 0 = automatic'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 31,  50, 'SCF',       'r', D_NUMBER,    0, 'scale of the blocked rotations'), &
-   field_t(KW_KJOINT2, EACH, 1,  ONCE, 51,  70, 'Cr',        'r', D_NUMBER,    0, 'critical damping ratio'), &
+   field_t(KW_KJOINT2, EACH, 1,  ONCE, 51,  70, 'Cr',        'r', D_NUMBER,    0, 'twice the damping ratio'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 71,  80, 'sens_id',   'i', D_NUMBER,    0, 'sensor that locks the joint'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 81,  90, 'skew_1',    'i', D_NUMBER,    0, 'axes of end 1'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 91, 100, 'skew_2',    'i', D_NUMBER,    0, 'axes of end 2'), &
@@ -157,7 +157,7 @@ module kj_card_fields
    field_t(KW_KJOINT2, EACH, 2,  DOFS, 21,  30, 'f_K',       'i', D_NUMBER,    0, 'function of force'), &
    field_t(KW_KJOINT2, EACH, 2,  DOFS, 31,  50, 'SA-',       'r', D_LENGTH,    0, 'lower stop, 0 = none'), &
    field_t(KW_KJOINT2, EACH, 2,  DOFS, 51,  70, 'SA+',       'r', D_LENGTH,    0, 'upper stop, 0 = none'), &
-   field_t(KW_KJOINT2, EACH, 2,  DOFS, 71,  80, 'Icomb',     'i', D_NUMBER,    0, 'combination of stops'), &
+   field_t(KW_KJOINT2, EACH, 2,  DOFS, 71,  80, 'Icomb',     'i', D_NUMBER, 2019, 'combination of stops'), &
    field_t(KW_KJOINT2, EACH, 3,  DOFS,  1,  20, 'C',         'r', D_DAMPING,   0, 'damping, or scale of f_C'), &
    field_t(KW_KJOINT2, EACH, 3,  DOFS, 21,  30, 'f_C',       'i', D_NUMBER,    0, 'function of damping'), &
    field_t(KW_KJOINT2, EACH, 4,  DOFS,  1,  20, 'Kfr',       'r', D_STIFFNESS, 0, 'stiffness of friction'), &

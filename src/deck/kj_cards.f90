@@ -149,6 +149,7 @@ contains
                n = 0
                do i = deck%field_first(k), deck%field_last(k)
                   if (fields(i)%times /= DOFS .or. fields(i)%card /= card) cycle
+                  if (fields(i)%since > deck%version) cycle
                   n = n + 1
                   row(n) = i
                end do

@@ -7,7 +7,7 @@ module kj_deck
    use kj_units, only: unit_system_t, factor_of
    use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_KJOINT2, KW_INIVEL_AXIS
    use kj_card_fields, only: field_range
-   use kj_deck_text, only: deck_t, report_header, mute_block, report_line
+   use kj_deck_text, only: deck_t, report_file, report_header, mute_block, report_line
    use kj_deck_scan, only: scan_deck
    use kj_cards, only: cards_t, read_cards, int_of, text_of, report
    use kj_number, only: parse_real, NUMBER_FINE
@@ -17,6 +17,7 @@ module kj_deck
    public :: read_deck
 
    integer, parameter :: NEWEST = 2612          !! newest format version
+   integer, parameter :: OLD = 2017             !! of older ones not every layout is known
    integer, parameter :: VERSIONS(*) = [51, 90, 100, 110, 120, 140, 2017, 2018, 2019, 2020, 2021, &
       2022, 2023, 2024, 2025, 2026, NEWEST]
    character(len=6), parameter :: QUANTITY(3) = ['mass  ', 'length', 'time  ']
@@ -102,8 +103,11 @@ contains
          if (begin == 0) begin = i
       end do
       if (begin == 0) then
-         call report_line(deck, min(1, deck%n_line), SEV_ERROR, 'KJ-0573', &
+         if (deck%n_line > 0) call report_line(deck, 1, SEV_ERROR, 'KJ-0573', &
             'the deck has no /BEGIN, so no units', 'expected: /BEGIN')
+         if (deck%n_line == 0) call report_file(deck, deck%source(1)%path, 'KJ-0573', &
+            'the deck is empty', 'expected: /BEGIN, and blocks such as /NODE')
+         deck%readable = deck%readable .and. deck%n_line > 0
          deck%version = NEWEST
          return
       end if
@@ -119,7 +123,12 @@ contains
 
       deck%invers = int_of(cards, 'invers')
       deck%version = deck%invers
-      if (any(VERSIONS == deck%invers)) return
+      if (any(VERSIONS == deck%invers)) then
+         if (deck%version < OLD) call report(deck, cards, 'invers', SEV_NOTE, 'KJ-9063', &
+            'format version '//str(deck%invers)//' is old: cards whose layout of that time is '// &
+            'not known are read as those of '//str(OLD), 'read as '//str(OLD))
+         return
+      end if
       deck%version = NEWEST
       if (deck%invers <= 44) then
          call report(deck, cards, 'invers', SEV_ERROR, 'KJ-9027', &
@@ -239,11 +248,10 @@ contains
       integer :: i
 
       do i = 1, deck%n_block
-         if (deck%block(i)%keyword == KW_KJOINT2 .and. deck%version < 2019) then
-            call report_header(deck, i, SEV_ERROR, 'KJ-9028', '/PROP/KJOINT2 had other cards '// &
-               'before version 2019, which are not supported', 'the deck has version '// &
-               str(deck%invers), 'convert the property and raise the version in /BEGIN')
-            call mute_block(deck, i)
+         if (deck%block(i)%keyword == KW_KJOINT2 .and. deck%version < 120) then
+            call report_header(deck, i, SEV_WARNING, 'KJ-9028', '/PROP/KJOINT2 has no layout '// &
+               'before version 120: its cards are read as those of 120', 'the deck has version '// &
+               str(deck%invers), 'check the values in the output of kjoint check')
          else if (deck%block(i)%keyword == KW_INIVEL_AXIS .and. deck%version < 120) then
             call report_header(deck, i, SEV_ERROR, 'KJ-2046', '/INIVEL/AXIS needs version 120', &
                'the deck has version '//str(deck%invers))

@@ -113,6 +113,12 @@ contains
             end if
          end select
       end if
+      if (deck%n_block == 0 .and. last >= first) then
+         if (deck%source(s)%text(first:first) == '*') then
+            call refuse_stars(deck, s, number, first, last, scan)
+            return
+         end if
+      end if
       if (scan%in_block) then
          call add_line(deck, s, number, first, last)
          scan%title_due = .false.
@@ -123,6 +129,25 @@ contains
          scan%stray = .true.
       end if
    end subroutine take_line
+
+   !> A deck whose keywords begin with *: there is no sense in going on
+   subroutine refuse_stars(deck, s, number, first, last, scan)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: s, number, first, last
+      type(scan_t), intent(inout) :: scan
+
+      character(len=:), allocatable :: text, whose
+
+      text = deck%source(s)%text(first:last)
+      whose = 'LS-DYNA or Abaqus'
+      if (index(upper(text), '*KEYWORD') == 1) whose = 'LS-DYNA'
+      call add_at(deck%findings, SEV_ERROR, 'KJ-9062', deck%source(s)%path, number, text, 1, &
+         last - first + 1, 'this is a deck of '//whose//': kjoint reads those of Radioss', &
+         'expected: /BEGIN', 'convert the deck to the Radioss block format; a joint of '// &
+         '*CONSTRAINED_JOINT is a /PROP/KJOINT2 there')
+      deck%readable = .false.
+      scan%ended = .true.
+   end subroutine refuse_stars
 
    !> Start a block with the last line of the deck as its header
    subroutine open_block(deck, indent, scan)

@@ -6,15 +6,15 @@
 module kj_deck_text
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, add_at, SEV_ERROR, error_t, fail, fail_at, add_finding, &
-      ERR_FILE
+      ERR_FILE, ERR_INPUT
    use kj_units, only: unit_system_t, dimensions, factor_of
    use kj_keywords, only: keywords, N_KEYWORD
    implicit none
    private
 
    public :: source_t, block_t, deck_t, line_text, place_of, title_of, first_card, block_factors, &
-      add_deck_finding, report_header, report_line, header_end, lengthen, mute_block, add_line, &
-      load_source, next_line, folder_of, add_file_finding
+      add_deck_finding, report_file, report_header, report_line, header_end, lengthen, mute_block, &
+      add_line, load_source, next_line, folder_of, add_file_finding
 
    !> A file in memory
    type :: source_t
@@ -246,6 +246,19 @@ contains
       is_mute = .false.
       if (lo > 0) is_mute = deck%block(lo)%mute .and. line <= deck%block(lo)%last
    end function is_mute
+
+   !> Append an error that points at a file as a whole
+   subroutine report_file(deck, path, id, message, label)
+      type(deck_t), intent(inout) :: deck
+      character(len=*), intent(in) :: path, id, message, label
+
+      type(error_t), allocatable :: finding
+
+      call fail(finding, ERR_INPUT, message, id)
+      finding%file = path
+      finding%label = label
+      call add_finding(deck%findings, finding)
+   end subroutine report_file
 
    !> Append a finding that points at the header of a block
    subroutine report_header(deck, block, severity, id, message, label, hint)

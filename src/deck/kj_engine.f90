@@ -1,78 +1,19 @@
-!> Engine decks: run control -> plain values, and THE table of engine keywords.
+!> Engine decks: run control -> plain values.
 module kj_engine
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE, str
-   use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end, report_line
-   use kj_engine_text, only: engine_line_t, load_engine, split_words, read_values, word_integer
+   use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end, report_line, &
+      report_file
+   use kj_engine_text, only: engine_line_t, load_engine, split_words, read_values, word_integer, &
+      report_value
+   use kj_engine_words, only: engine_word_t, engine_words, find_engine_word, ENGINE_READ, &
+      ENGINE_NOTE
+   use kj_keywords, only: find_keyword
    use kj_spelling, only: upper
    implicit none
    private
 
    public :: engine_t, read_engine, round10
-
-   !> What becomes of a keyword
-   integer, parameter :: ENGINE_READ = 1, ENGINE_NOTE = 2, ENGINE_OUT = 3
-
-   !> A row of the table
-   type :: engine_word_t
-      character(len=5)  :: name        !! first word of the header
-      integer           :: status      !! ENGINE_ constant
-      logical           :: once        !! of two of them the first holds
-      character(len=60) :: meaning     !! ENGINE_OUT: what would be needed
-   end type engine_word_t
-
-   logical, parameter :: T = .true., F = .false.
-
-   type(engine_word_t), parameter :: engine_words(*) = [ &
-      engine_word_t('RUN',   ENGINE_READ, T, 'run number and end of the run'), &
-      engine_word_t('TITLE', ENGINE_READ, T, 'title, not used'), &
-      engine_word_t('VERS',  ENGINE_READ, T, 'version of the deck'), &
-      engine_word_t('TFILE', ENGINE_READ, T, 'interval of the histories'), &
-      engine_word_t('PRINT', ENGINE_READ, T, 'cycles between two lines of the listing'), &
-      engine_word_t('DT',    ENGINE_READ, F, 'factor and least value of the time step'), &
-      engine_word_t('DTIX',  ENGINE_READ, T, 'first and largest time step'), &
-      engine_word_t('TH',    ENGINE_NOTE, F, 'form of the T01 file: none is written'), &
-      engine_word_t('STOP',  ENGINE_READ, T, 'limits of energy and mass errors'), &
-      engine_word_t('KILL',  ENGINE_READ, T, 'limits of energy and mass errors'), &
-      engine_word_t('END',   ENGINE_READ, F, 'end of the deck'), &
-      engine_word_t('RFILE', ENGINE_NOTE, F, 'restart files of other solvers'), &
-      engine_word_t('ATFIL', ENGINE_NOTE, F, 'history in a file A: not written'), &
-      engine_word_t('BTFIL', ENGINE_NOTE, F, 'history in a file B: not written'), &
-      engine_word_t('CTFIL', ENGINE_NOTE, F, 'history in a file C: not written'), &
-      engine_word_t('DTFIL', ENGINE_NOTE, F, 'history in a file D: not written'), &
-      engine_word_t('ETFIL', ENGINE_NOTE, F, 'history in a file E: not written'), &
-      engine_word_t('FTFIL', ENGINE_NOTE, F, 'history in a file F: not written'), &
-      engine_word_t('GTFIL', ENGINE_NOTE, F, 'history in a file G: not written'), &
-      engine_word_t('HTFIL', ENGINE_NOTE, F, 'history in a file H: not written'), &
-      engine_word_t('ITFIL', ENGINE_NOTE, F, 'history in a file I: not written'), &
-      engine_word_t('ANIM',  ENGINE_NOTE, F, 'animation files: not written'), &
-      engine_word_t('H3D',   ENGINE_NOTE, F, 'animation files: not written'), &
-      engine_word_t('OUTP',  ENGINE_NOTE, F, 'output files: not written'), &
-      engine_word_t('STATE', ENGINE_NOTE, F, 'state files: not written'), &
-      engine_word_t('DYNAI', ENGINE_NOTE, F, 'state files: not written'), &
-      engine_word_t('ABF',   ENGINE_NOTE, F, 'output files: not written'), &
-      engine_word_t('MON',   ENGINE_NOTE, F, 'timing of other solvers'), &
-      engine_word_t('PROC',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
-      engine_word_t('SPMD',  ENGINE_NOTE, F, 'parallel run of other solvers'), &
-      engine_word_t('PARIT', ENGINE_NOTE, F, 'order of sums; ours never depends on threads'), &
-      engine_word_t('DEBUG', ENGINE_NOTE, F, 'debugging of other solvers'), &
-      engine_word_t('PERF',  ENGINE_NOTE, F, 'timing of other solvers'), &
-      engine_word_t('NEGVO', ENGINE_NOTE, F, 'solid elements'), &
-      engine_word_t('UPWIN', ENGINE_NOTE, F, 'fluids'), &
-      engine_word_t('BCS',   ENGINE_OUT,  F, 'conditions that change: write them into the starter deck'), &
-      engine_word_t('BCSR',  ENGINE_OUT,  F, 'conditions that are released'), &
-      engine_word_t('DEL',   ENGINE_OUT,  F, 'elements that are deleted: leave them out of the deck'), &
-      engine_word_t('RBODY', ENGINE_OUT,  F, 'rigid bodies that are switched'), &
-      engine_word_t('KEREL', ENGINE_OUT,  F, 'kinetic-energy relaxation'), &
-      engine_word_t('DYREL', ENGINE_OUT,  F, 'dynamic relaxation'), &
-      engine_word_t('ADYRE', ENGINE_OUT,  F, 'dynamic relaxation'), &
-      engine_word_t('DAMP',  ENGINE_OUT,  F, 'Rayleigh damping'), &
-      engine_word_t('INIV',  ENGINE_OUT,  F, 'velocities at a restart: use /INIVEL in the starter deck'), &
-      engine_word_t('IMPL',  ENGINE_OUT,  F, 'implicit solution'), &
-      engine_word_t('EIG',   ENGINE_OUT,  F, 'eigenmodes'), &
-      engine_word_t('THERM', ENGINE_OUT,  F, 'heat'), &
-      engine_word_t('ALE',   ENGINE_OUT,  F, 'fluids'), &
-      engine_word_t('INTER', ENGINE_OUT,  F, 'contact')]
 
    !> Run control; times are in work units
    type :: engine_t
@@ -88,10 +29,10 @@ module kj_engine
       logical :: has_dt = .false.
       real(wp) :: dt_fac = 0.0_wp               !! factor of /DT; 0 = default
       real(wp) :: dt_min = 0.0_wp               !! least time step of /DT
+      logical :: adds_mass = .true.             !! the run can do what CST and CST1 ask for
       character(len=5) :: noda = ''             !! /DT/NODA: NODA, CST, CST1 or STOP
       real(wp) :: noda_fac = 0.0_wp             !! its factor; 0 = default
       real(wp) :: noda_min = 0.0_wp             !! its least time step
-      integer :: noda_line = 0                  !! number of its line
       logical :: has_dtix = .false.
       real(wp) :: dtix_ini = 0.0_wp             !! largest first step; 0 = no limit
       real(wp) :: dtix_max = 0.0_wp             !! largest step; 0 = no limit
@@ -101,31 +42,23 @@ module kj_engine
 
 contains
 
-   !> Row of an engine keyword; 0 when there is none
-   pure integer function find_engine_word(word) result(row)
-      character(len=*), intent(in) :: word     !! its first five characters count
-
-      do row = 1, size(engine_words)
-         if (engine_words(row)%name == word(:min(5, len(word)))) return
-      end do
-      row = 0
-   end function find_engine_word
-
    !> Read an engine deck
    !>
    !> Errors: findings with code ERR_FILE when the file cannot be read, else ERR_INPUT.
-   subroutine read_engine(path, engine, source, findings, ignore_unsupported)
+   subroutine read_engine(path, engine, source, findings, ignore_unsupported, adds_mass)
       character(len=*), intent(in) :: path
       type(engine_t), intent(out) :: engine
       type(source_t), intent(out) :: source     !! the file, for the record
       type(finding_list_t), intent(inout) :: findings
       logical, intent(in), optional :: ignore_unsupported  !! unsupported keywords only warn
+      logical, intent(in), optional :: adds_mass  !! the run can do what CST asks for; .true.
 
       type(deck_t) :: deck
       integer :: line, header, severity
 
       severity = SEV_ERROR
       if (present(ignore_unsupported)) severity = merge(SEV_WARNING, SEV_ERROR, ignore_unsupported)
+      if (present(adds_mass)) engine%adds_mass = adds_mass
       deck%findings = findings
       call load_engine(path, deck)
       line = 1
@@ -138,9 +71,12 @@ contains
          end do
          if (.not. take_block(deck, header, line - 1, severity, engine)) exit
       end do
-      if (deck%readable .and. .not. engine%has_run) call report_line(deck, min(1, deck%n_line), &
-         SEV_ERROR, 'KJ-E194', 'the engine deck has no /RUN', &
-         'expected: /RUN/name/1 and the end time')
+      if (deck%readable .and. .not. engine%has_run) then
+         if (deck%n_line > 0) call report_line(deck, 1, SEV_ERROR, 'KJ-E194', &
+            'the engine deck has no /RUN', 'expected: /RUN/name/1 and the end time')
+         if (deck%n_line == 0) call report_file(deck, path, 'KJ-E194', 'the engine deck is empty', &
+            'expected: /RUN/name/1 and the end time')
+      end if
       findings = deck%findings
       source = deck%source(1)
    end subroutine read_engine
@@ -182,6 +118,7 @@ contains
       if (row == 0) then
          text = 'unknown keyword'
          if (find_engine_word(upper(words%word(1))) > 0) text = 'keywords are in upper case'
+         if (find_keyword('/'//trim(words%word(1))) > 0) text = 'it belongs into the starter deck'
          call report_line(deck, header, severity, 'KJ-E189', '/'//trim(words%word(1))// &
             ' is not an engine keyword', text)
          return
@@ -228,6 +165,7 @@ contains
             engine%has_tfile = .true.
             engine%th_type = word_integer(deck, header, words, 2, 0)
             call read_values(deck, header, last, 1, 1, value)
+            call refuse_negative(deck, header, last, value(:1))
             engine%th_dt = round10(value(1))
          end if
       case ('PRINT')
@@ -240,6 +178,7 @@ contains
          if (.not. second) then
             engine%has_dtix = .true.
             call read_values(deck, header, last, 2, 2, value)
+            call refuse_negative(deck, header, last, value(:1))
             engine%dtix_ini = value(1)
             engine%dtix_max = value(2)
             if (value(2) < 0.0_wp .or. (value(2) > 0.0_wp .and. value(1) > value(2))) &
@@ -269,7 +208,12 @@ contains
       engine%run_number = word_integer(deck, header, words, 3, 0)
       if (engine%run_number <= 0) call report_line(deck, header, SEV_ERROR, 'KJ-E195', &
          'the run number is not positive', 'expected: /RUN/name/1')
+      if (engine%run_number > 1) call report_line(deck, header, SEV_ERROR, 'KJ-9066', &
+         'run '//str(engine%run_number)//' goes on from the restart file of the run before, '// &
+         'which is not supported', 'a second run', 'run the deck of run 1 up to the last end '// &
+         'time: kjoint run STARTER ENGINE --until T')
       call read_values(deck, header, last, 1, 1, value)
+      call refuse_negative(deck, header, last, value(:1))
       engine%t_stop = round10(value(1))
    end subroutine take_run
 
@@ -292,6 +236,7 @@ contains
          if (second) return
          engine%has_dt = .true.
          call read_values(deck, header, last, 2, 2, value)
+         call check_factor(deck, header, last, value)
          engine%dt_fac = round10(value(1))
          engine%dt_min = round10(value(2))
       case ('NODA')
@@ -299,9 +244,14 @@ contains
          if (second) return
          engine%noda = trim(words%word(3))
          if (engine%noda == '') engine%noda = 'NODA'
-         engine%noda_line = deck%line_number(header)
          select case (engine%noda)
-         case ('NODA', 'CST', 'CST1', 'STOP')
+         case ('NODA', 'STOP')
+         case ('CST', 'CST1')
+            if (.not. engine%adds_mass) call report_line(deck, header, severity, 'KJ-9067', &
+               '/DT/NODA/'//trim(engine%noda)//' adds mass: only the legacy formulation does '// &
+               'that', 'would change the mass of bodies', 'run with --legacy; or leave the '// &
+               'mass as it is with --ignore-unsupported')
+            if (.not. engine%adds_mass) engine%noda = 'NODA'
          case ('DEL')
             call report_line(deck, header, SEV_ERROR, 'KJ-E246', '/DT/NODA/DEL does not exist', &
                'use CST or STOP')
@@ -313,6 +263,7 @@ contains
          if (words%word(4) /= '') call report_line(deck, header, severity, 'KJ-9022', &
             'a nodal time step for a group of nodes is not supported', 'supported: all nodes')
          call read_values(deck, header, last, 2, 3, value)
+         call check_factor(deck, header, last, value)
          engine%noda_fac = value(1)
          engine%noda_min = value(2)
          if (value(3) > 0.0_wp) call report_line(deck, header, severity, 'KJ-9022', &
@@ -320,6 +271,10 @@ contains
       case ('NODE')
          call report_line(deck, header, SEV_ERROR, 'KJ-E246', '/DT/NODE does not exist', &
             'use /DT/NODA')
+      case ('AMS')
+         call report_line(deck, header, severity, 'KJ-9022', '/DT/AMS scales mass, which is '// &
+            'not supported', 'would change the mass of bodies', &
+            'remove the keyword, or ignore it with --ignore-unsupported')
       case ('SPRIN')
          call report_line(deck, header, severity, 'KJ-9022', &
             'a time step for springs is not supported', 'use /DT/NODA')
@@ -328,6 +283,32 @@ contains
             'no such elements')
       end select
    end subroutine take_dt
+
+   !> Factor and least value of a time step
+   subroutine check_factor(deck, header, last, value)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: header, last
+      real(wp), intent(in) :: value(:)
+
+      call refuse_negative(deck, header, last, value(:2))
+      if (value(1) > 1.0_wp) call report_value(deck, header, last, 1, SEV_WARNING, 'KJ-9065', &
+         'a factor above 1 makes time steps longer than the critical one', 'usual: 0.9')
+   end subroutine check_factor
+
+   !> Numbers of run control that must not be below zero
+   subroutine refuse_negative(deck, header, last, value)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: header, last
+      real(wp), intent(in) :: value(:)          !! the first ones of the data line
+
+      integer :: k
+
+      do k = 1, size(value)
+         if (value(k) < 0.0_wp) call report_value(deck, header, last, k, SEV_ERROR, 'KJ-9064', &
+            'a time, interval or factor of the run is negative', &
+            'expected: a positive number, or 0')
+      end do
+   end subroutine refuse_negative
 
    !> /STOP and /KILL: the limit of the energy error; there is no added mass to limit
    subroutine take_stop(deck, header, last, engine)

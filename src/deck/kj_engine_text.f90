@@ -9,7 +9,8 @@ module kj_engine_text
    implicit none
    private
 
-   public :: engine_line_t, load_engine, split_words, read_values, word_integer
+   public :: engine_line_t, load_engine, split_words, read_values, word_integer, &
+      report_value
 
    integer, parameter :: MOST_WORDS = 8
 
@@ -134,6 +135,30 @@ contains
          'the keyword needs a line with '//str(least)//merge(' values', ' value ', least > 1), &
          'found: '//str(n))
    end subroutine read_values
+
+   !> Append a finding that points at the k-th item of the data line of a block
+   subroutine report_value(deck, header, last, k, severity, id, message, label, hint)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: header, last       !! lines; data lines are header + 1 to last
+      integer, intent(in) :: k, severity
+      character(len=*), intent(in) :: id, message, label
+      character(len=*), intent(in), optional :: hint
+
+      character(len=:), allocatable :: text
+      integer :: i, at, a, b
+
+      text = line_text(deck, min(header + 1, last))
+      at = 1
+      do i = 1, k
+         call next_item(text, at, a, b)
+         if (a == 0) exit
+      end do
+      if (a == 0 .or. b < a) then
+         a = 1
+         b = max(1, len_trim(text))
+      end if
+      call add_deck_finding(deck, min(header + 1, last), a, b, severity, id, message, label, hint)
+   end subroutine report_value
 
    !> The next item of a list-directed line: columns [a, b], b < a when empty; a = 0 at the end
    pure subroutine next_item(text, at, a, b)

@@ -1,11 +1,12 @@
 !> Header lines of a deck, /WORD/WORD/number/number -> keyword, id and unit of a block, with a
 !> finding for all that is odd.
 module kj_header
-   use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE
+   use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE, has_finding
    use kj_keywords, only: keywords, find_keyword, nearest_keyword, READ_IT, NOTE_IT, HEAD_ID, &
       HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, keyword_of
    use kj_spelling, only: upper, edit_distance
    use kj_card_fields, only: has_variant
+   use kj_engine_words, only: is_engine_word
    use kj_deck_text, only: deck_t, block_t, add_deck_finding, line_text, header_end, report_line
    implicit none
    private
@@ -160,6 +161,12 @@ contains
          call add_deck_finding(deck, line, indent + 1, last, severity, 'KJ-9021', path// &
             ' is not in upper case', 'Radioss ignores such a block', 'write '//upper(path))
          if (severity /= SEV_ERROR) row = 0
+         return
+      end if
+      if (is_engine_word(path(2:))) then
+         if (.not. has_finding(deck%findings, 'KJ-9061')) call report_line(deck, line, severity, &
+            'KJ-9061', 'a keyword of the engine deck', 'a deck in one file?', 'put '// &
+            'the lines from /RUN on into a file of their own, ROOT_0001.rad beside ROOT_0000.rad')
          return
       end if
       near = trim(nearest_keyword(path))

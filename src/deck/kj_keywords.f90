@@ -1,38 +1,20 @@
 !> THE table of keywords of the starter deck: how each is written, what its header holds and
 !> whether kjoint reads it. The cards of the keywords stand in kj_card_fields.
 module kj_keywords
+   use kj_other_keywords, only: keyword_t, other_keywords, READ_IT, NOTE_IT, OUT_OF_SCOPE, &
+      HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
    use kj_spelling, only: upper, edit_distance
    implicit none
    private
 
-   public :: find_keyword, keyword_of, nearest_keyword
-
-   !> Status of a keyword
-   integer, parameter, public :: &
-      READ_IT = 1, &     !! its cards are read
-      NOTE_IT = 2, &     !! only output, or numerics of other solvers: accepted with a note
-      OUT_OF_SCOPE = 3   !! would change the result: an error that says what would be needed
-
-   !> Order of the numbers in a header after the words
-   integer, parameter, public :: &
-      HEAD_ID = 1, &         !! /KEY/id/unit
-      HEAD_UNIT = 2, &       !! /KEY/unit
-      HEAD_TYPE_ID = 3, &    !! /KEY/type/id/unit
-      HEAD_NONE = 4          !! no number, or numbers without a meaning here
-
-   !> A row; names of NOTE_IT and OUT_OF_SCOPE rows stand for all headers that begin with them
-   type :: keyword_t
-      character(len=16) :: name      !! as written in a deck, without the numbers
-      logical           :: titled    !! a title card follows the header
-      integer           :: status    !! READ_IT, NOTE_IT or OUT_OF_SCOPE
-      integer           :: head      !! HEAD_ constant
-      character(len=56) :: meaning   !! OUT_OF_SCOPE: what would be needed
-   end type keyword_t
+   public :: find_keyword, keyword_of, nearest_keyword, READ_IT, NOTE_IT, OUT_OF_SCOPE, HEAD_ID, &
+      HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
 
    integer, parameter :: HI = HEAD_ID, HU = HEAD_UNIT, HT = HEAD_TYPE_ID, HN = HEAD_NONE
    logical, parameter :: T = .true., F = .false.
 
-   type(keyword_t), parameter, public :: keywords(*) = [ &
+   !> Keywords whose cards are read, and their neighbours
+   type(keyword_t), parameter :: main_keywords(*) = [ &
       keyword_t('/BEGIN',           T, READ_IT, HN, 'format version, input units and work units'), &
       keyword_t('/TITLE',           T, READ_IT, HN, 'title of the model'), &
       keyword_t('/END',             F, READ_IT, HN, 'end of the deck'), &
@@ -165,8 +147,10 @@ module kj_keywords
       keyword_t('/GAUGE',           T, NOTE_IT, HI, 'gauge, for output only'), &
       keyword_t('/STATE',           F, NOTE_IT, HN, 'state file: not written')]
 
+   type(keyword_t), parameter, public :: keywords(*) = [main_keywords, other_keywords]
+
    !> Other names: the cards are those of the second
-   character(len=16), parameter :: SAME_AS(2, 6) = reshape([character(len=16) :: &
+   character(len=20), parameter :: SAME_AS(2, 6) = reshape([character(len=20) :: &
       '/PROP/KJOINT', '/PROP/TYPE33', &
       '/PROP/KJOINT2', '/PROP/TYPE45', &
       '/PROP/SPRING', '/PROP/TYPE4', &
@@ -176,7 +160,7 @@ module kj_keywords
 
    !> Keywords that the reader or the builder knows: their rows. Those that only have a status need
    !> none.
-   character(len=16), parameter :: NAME(*) = keywords%name
+   character(len=20), parameter :: NAME(*) = keywords%name
    integer, parameter, public :: N_KEYWORD = size(keywords), &
       KW_BEGIN = findloc(NAME, '/BEGIN', 1), KW_TITLE = findloc(NAME, '/TITLE', 1), &
       KW_END = findloc(NAME, '/END', 1), KW_UNIT = findloc(NAME, '/UNIT', 1), &

@@ -34,7 +34,7 @@ module kj_joint_batch
       real(wp), allocatable :: k(:, :)          !! (n, 6) stiffness of friction or stop
       real(wp), allocatable :: slip(:, :)       !! (n, 6) friction limit, or scale of its curve
       integer, allocatable :: slip_curve(:, :)  !! (n, 6) curve of q, 0 = none
-      real(wp), allocatable :: cr(:)            !! (n) critical damping ratio where a limit acts
+      real(wp), allocatable :: cr(:)            !! (n) twice the damping ratio where a limit acts
       real(wp), allocatable :: cr_stop(:)       !! (n) the same of stops, consistent: as typed
       real(wp), allocatable :: k_block(:, :)    !! (n, 2) blocked translations, rotations
       logical, allocatable :: automatic(:)      !! (n) k_block comes from the first step
@@ -77,7 +77,7 @@ module kj_joint_batch
       real(wp), allocatable :: k(:, :)          !! (n, 6) stiffness, or scale of the curve
       real(wp), allocatable :: c(:, :)          !! (n, 6) linear damping, user plus critical; or
                                                 !! scale of the curve
-      real(wp), allocatable :: cr(:)            !! (n) critical damping ratio of the blocked dofs
+      real(wp), allocatable :: cr(:)            !! (n) twice the damping ratio of the blocked dofs
       real(wp), allocatable :: reduced(:, :)    !! (n, 2) reduced mass, reduced inertia
       integer, allocatable :: k_curve(:, :)     !! (n, 6) curve index, 0 = none
       integer, allocatable :: c_curve(:, :)     !! (n, 6)

@@ -17,7 +17,7 @@ contains
    pure subroutine step_stiffness(n, k_top, c_top, cr, m, s)
       integer, intent(in) :: n
       real(wp), intent(in) :: k_top(n), c_top(n)
-      real(wp), intent(in) :: cr(n)            !! critical damping ratio
+      real(wp), intent(in) :: cr(n)            !! twice the damping ratio
       real(wp), intent(in) :: m(n)             !! reduced mass or inertia
       real(wp), intent(out) :: s(n)
 

@@ -165,7 +165,7 @@ contains
 
    !> Reduced masses, stiffness and damping of all six dofs, law signature.
    !>
-   !> KR = Kn max(1, L0^2), for KJOINT2 Kn max(SCF, L0^2); critical damping Cr sqrt(K m) on the
+   !> KR = Kn max(1, L0^2), for KJOINT2 Kn max(SCF, L0^2); damping Cr sqrt(K m) on the
    !> blocked dofs. Source: docs/theory/legacy.md 3.1, 3.2.
    subroutine set_constants(model, p, joint)
       type(model_t), intent(in) :: model

@@ -47,7 +47,8 @@ contains
       p%kn = real_of(cards, 'Kn')
       p%cr = real_of(cards, 'Cr')
       if (p%cr < 0.0_wp .or. p%cr > 1.0_wp) call report(draft%deck, cards, 'Cr', SEV_ERROR, &
-         'KJ-0388', 'the critical damping ratio is not between 0 and 1', 'expected: 0 to 1')
+         'KJ-0388', 'Cr, twice the damping ratio, is not between 0 and 1', &
+         'expected: 0 to 1; 1 is half of the critical damping')
       p%cr_stop = p%cr
       if (abs(p%cr) <= 0.0_wp) p%cr = 0.05_wp
       p%frame = joint_types(p%row)%frame

@@ -113,6 +113,8 @@ class Case:
         """(file, line, first, last) of an expected place"""
         if text == "-":
             return None
+        if text.startswith("file "):
+            return text[5:]
         if text.startswith("$"):
             part, line, first, last = self.sets[int(text[1:]) - 1]
             return self.locate(part, line), first, last
@@ -169,6 +171,8 @@ def seen(findings):
         place = None
         if "line" in f:
             place = (pathlib.Path(f["file"]).name, f["line"]), f.get("first"), f.get("last")
+        elif "file" in f:
+            place = pathlib.Path(f["file"]).name
         result.append((f["severity"], f["id"], place))
     return sorted(result, key=str)
 
