@@ -8,7 +8,8 @@ module kj_diff_command
    use kj_reader, only: convert_t01
    use kj_sink_h5, only: sink_h5_t
    use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, &
-      OPT_WINDOW, OPT_METRICS, OPT_JUNIT, OPT_RTOL
+      OPT_WINDOW, OPT_METRICS, OPT_JUNIT, OPT_RTOL, &
+      OPT_STRICT
    use kj_terminal, only: print_text, write_file
    implicit none
    private
@@ -55,6 +56,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       options%interpolate = args%given(OPT_INTERP)
+      options%strict = args%given(OPT_STRICT)
       if (args%given(OPT_PROFILE)) options%profile = args%value(OPT_PROFILE)%s
       call option_real(args, OPT_RTOL, 0.0_wp, options%rtol, error)
       if (args%given(OPT_WINDOW) .and. .not. allocated(error)) &

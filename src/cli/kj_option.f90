@@ -51,7 +51,8 @@ module kj_option
    integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, &
       OPT_REPRODUCIBLE = 4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, &
       OPT_RTOL = 9, OPT_INTERP = 10, OPT_WINDOW = 11, OPT_METRICS = 12, OPT_JUNIT = 13, &
-      OPT_ERROR = 14, OPT_SCALES = 15, OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18
+      OPT_ERROR = 14, OPT_SCALES = 15, OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18, &
+      OPT_STRICT = 19
 
    !> One option of one command or more
    type :: option_t
@@ -100,7 +101,9 @@ module kj_option
       option_t(OPT_TRACE,        '',   '--trace',             'ID,...', 'run', &
                'print all that these joints, springs, bodies, nodes do; with --json in lines'), &
       option_t(OPT_TRACE_CYCLES, '',   '--trace-cycles',      'A:B',    'run', &
-               'the cycles of --trace; default 0:9')]
+               'the cycles of --trace; default 0:9'), &
+      option_t(OPT_STRICT,       '',   '--strict',            '',       'diff', &
+               'what is not compared counts as different: on one side alone, not a number')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)

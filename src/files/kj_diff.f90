@@ -97,7 +97,9 @@ contains
       call take_notes(walk, result)
       call convert_units(walk%run, walk%ref)
       call match_channels(walk%ref, walk%run, options, result%profile, result%channel)
+      call list_run_only(walk%ref, walk%run, result%run_only)
       call find_classes(result%channel, result%class)
+      result%strict = options%strict
       single = [walk%ref%history%single_precision, walk%run%history%single_precision]
       rounding = rounding_of(count(single))
       walk%interpolate = options%interpolate
@@ -242,12 +244,17 @@ contains
             result%n_channel = result%n_channel + 1
             result%class(c%class)%n_channel = result%class(c%class)%n_channel + 1
             call note_worst(i, result)
+            if (c%channel /= CH_TIME) result%n_number = result%n_number + c%n_number
+            if (c%n_void > 0) result%incomplete = .true.
             if (.not. c%different) cycle
             result%n_different = result%n_different + 1
             result%class(c%class)%n_different = result%class(c%class)%n_different + 1
          end associate
       end do
-      result%code = merge(1, 0, result%n_different > 0)
+      result%incomplete = result%incomplete .or. result%n_number == 0 .or. &
+         size(result%ignored) > 0
+      result%code = merge(1, 0, result%n_different > 0 .or. &
+         (result%strict .and. (result%incomplete .or. size(result%run_only) > 0)))
    end subroutine judge
 
    !> Put a channel in its place among the worst of all and of its class
@@ -328,6 +335,53 @@ contains
          end associate
       end do
    end subroutine match_channels
+
+   !> Channels that RUN has and REF has not, also variables that our layout does not know
+   subroutine list_run_only(ref, run, list)
+      type(cursor_t), intent(in) :: ref, run
+      type(text_t), allocatable, intent(out) :: list(:)
+
+      integer, allocatable :: ref_id(:), run_id(:)
+      type(lookup_t) :: in_ref
+      type(text_t), allocatable :: found(:)
+      integer :: ref_variable(size(channels)), i, j, k, at, n
+
+      n = 0
+      allocate (found(sum(run%history%variable%n_entity) + size(run%reader%unknown)))
+      ref_variable = 0
+      do i = 1, size(ref%history%variable)
+         ref_variable(ref%history%variable(i)%channel) = i
+      end do
+      do i = 1, size(run%history%variable)
+         associate (v => run%history%variable(i))
+            call entity_ids(ref%history, channels(v%channel)%owner, ref_id)
+            call entity_ids(run%history, channels(v%channel)%owner, run_id)
+            call new_lookup(ref_id, in_ref)
+            do j = 1, v%n_entity
+               if (.not. run%reader%given(v%first + (j - 1)*v%n_comp)) cycle
+               k = find(in_ref, run_id(j))
+               if (k > 0 .and. ref_variable(v%channel) > 0) then
+                  associate (w => ref%history%variable(ref_variable(v%channel)))
+                     at = w%first + (k - 1)*w%n_comp
+                  end associate
+                  if (ref%reader%given(at)) cycle
+               end if
+               n = n + 1
+               found(n)%s = name_of(v%channel, run_id(j))
+            end do
+         end associate
+      end do
+      do i = 1, size(run%reader%unknown)
+         if (any([(ref%reader%unknown(j)%s == run%reader%unknown(i)%s, &
+            j=1, size(ref%reader%unknown))])) cycle
+         n = n + 1
+         found(n)%s = run%reader%unknown(i)%s
+      end do
+      allocate (list(n))
+      do i = 1, n
+         call move_alloc(found(i)%s, list(i)%s)
+      end do
+   end subroutine list_run_only
 
    !> User ids of the entities of an owner; 0 for the run itself
    subroutine entity_ids(history, owner, id)

@@ -127,13 +127,16 @@ contains
       type(rounding_t), intent(in) :: rounding
       type(channel_result_t), intent(inout) :: list(:)
 
-      integer :: i, k
+      integer :: i, k, n_void
       real(wp) :: d, allowed
 
       do i = 1, size(list)
          if (list(i)%run_at == 0 .or. .not. list(i)%counted) cycle
          associate (c => list(i), a => x(list(i)%ref_at:list(i)%ref_at + list(i)%n_comp - 1), &
             b => y(list(i)%run_at:list(i)%run_at + list(i)%n_comp - 1))
+            n_void = count(ieee_is_nan(a) .and. ieee_is_nan(b))
+            c%n_void = c%n_void + n_void
+            c%n_number = c%n_number + c%n_comp - n_void
             if (same_bits(a, b)) cycle
             if (is_quaternion(c) .and. .not. bitwise) then
                call note_difference(t, 0, angle_between(a, b), c%tolerance + rounding%relative, c)

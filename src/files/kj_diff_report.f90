@@ -73,28 +73,55 @@ contains
       type(diff_result_t), intent(in) :: result
       type(buffer_t), intent(inout) :: b
 
-      logical :: some
       integer :: i
 
-      some = .false.
-      do i = 1, size(result%ignored)
-         if (.not. some) call add(b, NL//'not compared, no channel of ours:')
-         some = .true.
-         call add(b, ' '//result%ignored(i)%s)
-      end do
-      if (some) call add(b, NL)
-      some = .false.
-      do i = 1, size(result%channel)
-         if (result%channel(i)%counted) cycle
-         if (.not. some) call add(b, NL//'not compared, of the steps of a run:')
-         some = .true.
-         call add(b, ' '//result%channel(i)%name)
-      end do
-      if (some) call add(b, NL)
+      call add_names('no channel of ours', result%ignored, b)
+      call add_names('in RUN alone', result%run_only, b)
+      call add_channels('not a number on both sides, at times or always', result%channel, &
+         result%channel%n_void > 0, b)
+      call add_channels('of the steps of a run', result%channel, .not. result%channel%counted, b)
       do i = 1, size(result%note)
          call add(b, NL//'note: '//result%note(i)%s//NL)
       end do
    end subroutine add_lists
+
+   !> "not compared, in RUN alone: a b c": at most 20 names
+   subroutine add_names(why, list, b)
+      character(len=*), intent(in) :: why
+      type(text_t), intent(in) :: list(:)
+      type(buffer_t), intent(inout) :: b
+
+      integer, parameter :: MOST = 20
+      integer :: i
+
+      if (size(list) == 0) return
+      call add(b, NL//'not compared, '//why//':')
+      do i = 1, min(MOST, size(list))
+         call add(b, ' '//list(i)%s)
+      end do
+      if (size(list) > MOST) call add(b, ' and '//str(size(list) - MOST)//' more')
+      call add(b, NL)
+   end subroutine add_names
+
+   !> The same of some channels
+   subroutine add_channels(why, channel, wanted, b)
+      character(len=*), intent(in) :: why
+      type(channel_result_t), intent(in) :: channel(:)
+      logical, intent(in) :: wanted(:)
+      type(buffer_t), intent(inout) :: b
+
+      type(text_t), allocatable :: names(:)
+      integer :: i, n
+
+      allocate (names(count(wanted)))
+      n = 0
+      do i = 1, size(channel)
+         if (.not. wanted(i)) cycle
+         n = n + 1
+         names(n)%s = channel(i)%name
+      end do
+      call add_names(why, names, b)
+   end subroutine add_channels
 
    !> The rule as it was applied
    function tolerance_text(result, options) result(text)
@@ -108,16 +135,25 @@ contains
       if (options%atol > 0.0_wp) text = text//' + '//short(options%atol, 2)
    end function tolerance_text
 
-   !> "SAME: 84 channels" or "DIFFERENT: 3 of 84 channels, worst ..."
+   !> "SAME: 84 channels", "DIFFERENT: 3 of 84 channels, worst ..." and what that leaves open
    function verdict(result) result(text)
       type(diff_result_t), intent(in) :: result
       character(len=:), allocatable :: text
 
-      if (result%code == 0) then
+      if (result%n_different == 0) then
          text = 'SAME: '//str(result%n_channel)//' channels'
+         if (result%code /= 0) text = 'DIFFERENT (strict): '//str(result%n_channel)// &
+            ' channels are the same'
       else
          text = 'DIFFERENT: '//str(result%n_different)//' of '//str(result%n_channel)// &
             ' channels, worst '//worst_of(result, result%channel(result%worst(1)))
+      end if
+      if (result%n_number == 0) then
+         text = text//'; NO NUMBER BUT THE TIME IS COMPARED'
+      else if (result%incomplete) then
+         text = text//'; not all of REF is compared'
+      else if (result%strict .and. size(result%run_only) > 0) then
+         text = text//'; RUN has more than REF'
       end if
    end function verdict
 
@@ -211,7 +247,9 @@ contains
       call add(b, ' '//json_member('samples_ref_alone', result%n_ref_alone)//', '// &
          json_member('samples_run_alone', result%n_run_alone)//','//NL)
       call add(b, ' '//json_member('channels', result%n_channel)//', '// &
-         json_member('different', result%n_different)//','//NL)
+         json_member('different', result%n_different)//', '// &
+         json_member('numbers', real(result%n_number, wp))//', '// &
+         json_member('complete', .not. result%incomplete .and. size(result%run_only) == 0)//','//NL)
       call add(b, ' "classes": ['//NL)
       do i = 1, size(result%class)
          call add(b, '  {'//json_member('name', trim(result%class(i)%name))//', '// &
@@ -229,6 +267,7 @@ contains
          call add(b, comma(i, size(result%channel))//NL)
       end do
       call add(b, ' ],'//NL//' "ignored": '//text_array(result%ignored)//','//NL// &
+         ' "run_only": '//text_array(result%run_only)//','//NL// &
          ' "notes": '//text_array(result%note)//'}'//NL)
       text = b%s(:b%n)
    end subroutine diff_json
@@ -262,7 +301,9 @@ contains
          json_member('difference', channel%difference)//', '// &
          json_member('tolerance', channel%allowed)//', '// &
          json_member('time', channel%time)//', '//json_member('component', channel%comp)//', '// &
-         json_member('beyond', channel%n_beyond))
+         json_member('beyond', channel%n_beyond)//', '// &
+         json_member('numbers', real(channel%n_number, wp))//', '// &
+         json_member('not_numbers', real(channel%n_void, wp)))
       if (allocated(channel%metric)) then
          call add(b, ', "metrics": {')
          do k = 1, size(metrics)

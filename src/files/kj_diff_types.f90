@@ -1,5 +1,6 @@
 !> What a comparison of two histories is asked and what it answers.
 module kj_diff_types
+   use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_number, only: parse_real, NUMBER_FINE
@@ -33,6 +34,7 @@ module kj_diff_types
       real(wp) :: rtol = -1.0_wp                !! in place of that of the profile when not negative
       real(wp) :: atol = 0.0_wp                 !! added to every tolerance, in units of REF
       logical :: interpolate = .false.          !! RUN linearly on the times of REF
+      logical :: strict = .false.               !! what is not compared counts as different
       logical :: has_window = .false.
       real(wp) :: window(2) = 0.0_wp            !! first and last time compared
       logical :: metrics(size(metrics)) = .false.
@@ -49,6 +51,8 @@ module kj_diff_types
       logical :: counted = .true.               !! false: listed, not part of the verdict
       logical :: different = .false.
       integer :: n_beyond = 0                   !! numbers beyond their tolerance
+      integer(int64) :: n_number = 0            !! numbers compared
+      integer(int64) :: n_void = 0              !! numbers that are NaN on both sides: not compared
       real(wp) :: peak = 0.0_wp                 !! largest norm in REF
       real(wp) :: tolerance = 0.0_wp            !! atol + rtol S
       ! the worst number: where its difference is largest in terms of the tolerance
@@ -77,11 +81,15 @@ module kj_diff_types
       integer :: n_ref_alone = 0, n_run_alone = 0   !! without a partner, but for the final state
       real(wp) :: alone_at = 0.0_wp             !! time of the first of these
       integer :: n_channel = 0, n_different = 0
+      integer(int64) :: n_number = 0            !! numbers compared, of channels other than the time
+      logical :: incomplete = .false.           !! something of REF is not compared, or nothing is
+      logical :: strict = .false.               !! that counts, and what RUN alone has
       type(channel_result_t), allocatable :: channel(:)    !! the time first
       type(class_result_t), allocatable :: class(:)
       integer :: n_worst = 0
       integer :: worst(N_WORST) = 0             !! places in `channel`, worst first
       type(text_t), allocatable :: ignored(:)   !! variables of REF that our layout does not know
+      type(text_t), allocatable :: run_only(:)  !! channels of RUN that REF does not have
       type(text_t), allocatable :: note(:)
    end type diff_result_t
 

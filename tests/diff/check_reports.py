@@ -95,6 +95,43 @@ def check_convert(kjoint, folder, time):
     claim(status == 0, f"diff of a file with its conversion: {out}")
 
 
+def check_what_is_compared(kjoint, folder, time):
+    """SAME is not said of what was not compared without saying so, and not at all under --strict."""
+    some = {2: np.cos(time), 6: np.full(N, 3.0)}
+    with_hole = {2: np.where(np.arange(N) == 7, np.nan, some[2]), 6: some[6]}
+    empty = {2: np.full(N, np.nan)}
+    unknown = {**some, 13: np.sin(time)}                   # CE_ELAST: no channel of ours
+    for name, columns in (("some", some), ("time", {}), ("hole", with_hole), ("empty", empty),
+                          ("unknown", unknown)):
+        write_t01(folder / f"{name}T01", time, columns)
+    nothing, open_end = "NO NUMBER BUT THE TIME IS COMPARED", "not all of REF is compared"
+    # reference, run, exit code, exit code under --strict, words, numbers beside the times
+    for ref, tried, code, strict, words, numbers in (
+            ("some", "some", 0, 0, "SAME: 3 channels", 2*N),
+            ("time", "time", 0, 1, nothing, 0),
+            ("time", "some", 0, 1, nothing, 0),
+            ("some", "time", 1, 1, "missing in RUN", 0),
+            ("empty", "empty", 0, 1, nothing, 0),
+            ("hole", "hole", 0, 1, open_end, 2*N - 1),
+            ("some", "hole", 1, 1, "not a number on one side", 2*N),
+            ("hole", "some", 1, 1, "not a number on one side", 2*N),
+            ("unknown", "unknown", 0, 1, open_end, 2*N),
+            ("some", "unknown", 0, 1, "SAME: 3 channels", 2*N),
+            ("empty", "some", 1, 1, "not a number on one side", N)):
+        status, out, _ = run(kjoint, folder, "diff", f"{ref}T01", f"{tried}T01")
+        claim(status == code and words in out, f"diff {ref} {tried}: exit {status}: {out}")
+        status, out, _ = run(kjoint, folder, "diff", f"{ref}T01", f"{tried}T01", "--strict")
+        claim(status == strict, f"diff {ref} {tried} --strict: exit {status}: {out}")
+        claim(out.splitlines()[-1].startswith("DIFFERENT" if strict else "SAME"),
+              f"diff {ref} {tried} --strict: {out}")
+        result = json.loads(run(kjoint, folder, "diff", f"{ref}T01", f"{tried}T01", "--json")[1])
+        claim(result["numbers"] == numbers, f"diff {ref} {tried}: {result['numbers']} numbers")
+    out = run(kjoint, folder, "diff", "someT01", "unknownT01")[1]
+    claim("in RUN alone: CE_ELAST" in out, f"what RUN alone has: {out}")
+    out = run(kjoint, folder, "diff", "holeT01", "holeT01")[1]
+    claim("both sides, at times or always: kinetic_energy_trans" in out, f"holes: {out}")
+
+
 def check_text(kjoint, folder):
     """Text T01 (/TFILE type 3) of several versions, which say no units. plainT01 is made by hand: a
     first record of an integer in 5 columns and 72 characters, and its first line a second time."""
@@ -132,6 +169,7 @@ def main(kjoint):
             check_json(kjoint, folder, time)
             check_junit(kjoint, folder)
             check_convert(kjoint, folder, time)
+            check_what_is_compared(kjoint, folder, time)
             check_text(kjoint, folder)
         except Failure as failure:
             print(f"{sys.argv[0]}: {failure}")

@@ -29,8 +29,10 @@ def write_t01(path, time, columns):
     """Write curves: `columns` maps codes of globals to arrays like `time`."""
     codes = sorted(columns)
     data = [record(ints(3040) + title("curves", 80)), record(title("", 80)),
-            record(ints(0, 0, 0, 0, 0, len(codes))), record(ints(*codes))]
+            record(ints(0, 0, 0, 0, 0, len(codes)))]
+    data += [record(ints(*codes))] if codes else []        # no record without content
     for i, t in enumerate(time):
         data.append(record(struct.pack("<d", t)))
-        data.append(record(np.array([columns[c][i] for c in codes], "<f8").tobytes()))
+        if codes:
+            data.append(record(np.array([columns[c][i] for c in codes], "<f8").tobytes()))
     path.write_bytes(b"".join(data))
