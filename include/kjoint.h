@@ -183,6 +183,12 @@ int kj_model_step(kj_model *model);
 int kj_model_sample(kj_model *model);
 int kj_model_status(const kj_model *model, kj_run_status *status);
 
+/* State as bytes: of a started model, restored to one that is loaded from the same deck by the same
+ * version. Restored, it is started: go on with advance, step or run, with the same bits. needed: its
+ * number of bytes, or NULL; with size 0: that alone */
+int kj_model_save(kj_model *model, size_t size, void *state, size_t *needed);
+int kj_model_restore(kj_model *model, size_t size, const void *state);
+
 /* Samples in memory. Channels are named as in the history file: "time", "joint/force",
  * "rigid_body/position"; kj_model_channels lists them, a line each. values[n_row][n_entity][n_comp],
  * count = n_row*n_entity*n_comp */

@@ -117,6 +117,19 @@ class Model(Handle):
         """March one step."""
         self._call("step")
 
+    def save(self):
+        """State of a started model, as bytes."""
+        size = ct.c_size_t()
+        self._call("save", 0, None, ct.byref(size))
+        state = ct.create_string_buffer(size.value)
+        self._call("save", size, state, None)
+        return state.raw
+
+    def restore(self, state):
+        """Go on from a saved state of the same deck: step(), advance() or run(). Same bits."""
+        self._call("restore", len(state), state)
+        return self
+
     def sample(self):
         """Keep a sample of the present."""
         self._call("sample")

@@ -1,12 +1,13 @@
 !> The little the library asks of the operating system: files by name, the host, the clock.
 module kj_system
-   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_size_t, c_char, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_size_t, c_char, c_null_char, &
+      c_ptr, c_associated
    use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    implicit none
    private
 
-   public :: rename_file, remove_file, host_name, date_time, wall_clock, thread_clock
+   public :: rename_file, remove_file, sync_file, absolute_path, host_name, date_time, wall_clock, thread_clock
 
    !> struct timespec
    type, bind(c) :: c_time_t
@@ -29,6 +30,24 @@ module kj_system
          import :: c_int, c_char
          character(kind=c_char), intent(in) :: path(*)
       end function c_remove
+      integer(c_int) function c_open(path, flags) bind(c, name='open')
+         import :: c_int, c_char
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value :: flags
+      end function c_open
+      integer(c_int) function c_fsync(file) bind(c, name='fsync')
+         import :: c_int
+         integer(c_int), value :: file
+      end function c_fsync
+      integer(c_int) function c_close(file) bind(c, name='close')
+         import :: c_int
+         integer(c_int), value :: file
+      end function c_close
+      type(c_ptr) function c_realpath(path, buffer) bind(c, name='realpath')
+         import :: c_ptr, c_char
+         character(kind=c_char), intent(in) :: path(*)
+         character(kind=c_char), intent(inout) :: buffer(*)
+      end function c_realpath
       integer(c_int) function c_gethostname(name, length) bind(c, name='gethostname')
          import :: c_int, c_size_t, c_char
          character(kind=c_char), intent(out) :: name(*)
@@ -54,6 +73,35 @@ contains
 
       ignored = c_remove(path//c_null_char)
    end subroutine remove_file
+
+   !> Wait until a file is on its disk
+   subroutine sync_file(path, done)
+      character(len=*), intent(in) :: path
+      logical, intent(out) :: done
+
+      integer(c_int), parameter :: READ_ONLY = 0_c_int
+      integer(c_int) :: file
+
+      file = c_open(path//c_null_char, READ_ONLY)
+      done = file >= 0
+      if (.not. done) return
+      done = c_fsync(file) == 0
+      done = c_close(file) == 0 .and. done
+   end subroutine sync_file
+
+   !> Where a file is, from the root; the path as it was where there is no such file
+   subroutine absolute_path(path, whole)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable, intent(out) :: whole
+
+      integer, parameter :: PATH_MAX = 4096
+      character(len=PATH_MAX + 1) :: buffer
+
+      whole = path
+      buffer = ''
+      if (.not. c_associated(c_realpath(path//c_null_char, buffer))) return
+      whole = buffer(:index(buffer, c_null_char) - 1)
+   end subroutine absolute_path
 
    !> Name of this machine, empty when it has none
    function host_name() result(name)

@@ -8,17 +8,18 @@ module kj_h5_read
       h5tclose_f, h5tis_variable_str_f, H5P_DEFAULT_F, H5S_SELECT_SET_F, H5T_NATIVE_DOUBLE, &
       H5_INDEX_CRT_ORDER_F, H5_ITER_INC_F, size_t, h5aopen_f, h5aopen_by_idx_f, h5aread_f, &
       h5aclose_f, h5aexists_f, h5aget_num_attrs_f, h5aget_name_f, h5aget_type_f, h5aget_space_f, &
-      h5sget_simple_extent_npoints_f, h5tget_class_f, H5T_INTEGER_F, H5T_FLOAT_F
+      h5sget_simple_extent_npoints_f, h5tget_class_f, H5T_INTEGER_F, H5T_FLOAT_F, &
+      H5T_STD_U8LE
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_text, only: text_t
    use kj_h5, only: check, close_object, utf8_type
-   use, intrinsic :: iso_fortran_env, only: int64
+   use, intrinsic :: iso_fortran_env, only: int8, int64
    implicit none
    private
 
-   public :: open_object, get_shape, read_rows, read_numbers, read_texts, get_link_names, &
-      get_text, get_numbers, get_facts
+   public :: open_object, get_shape, read_rows, read_numbers, read_texts, read_bytes, &
+      get_link_names, get_text, get_numbers, get_facts
 
    interface
       integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
@@ -130,6 +131,31 @@ contains
       end if
       call close_object(id, error)
    end subroutine read_numbers
+
+   !> Read a dataset of bytes
+   subroutine read_bytes(parent, name, byte, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+      integer(int8), allocatable, target, intent(out) :: byte(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: id
+      integer, allocatable :: dims(:)
+      integer :: status
+      type(c_ptr) :: address
+
+      call open_object(parent, name, id, error)
+      call get_shape(id, dims, error)
+      if (.not. allocated(error)) then
+         allocate (byte(product(dims)))
+         if (size(byte) > 0) then
+            address = c_loc(byte)
+            call h5dread_f(id, H5T_STD_U8LE, address, status)
+            call check(status, 'read the dataset '//name, error)
+         end if
+      end if
+      call close_object(id, error)
+   end subroutine read_bytes
 
    !> Read a dataset of texts, scalar or one-dimensional
    subroutine read_texts(parent, name, texts, error)

@@ -2,25 +2,28 @@
 !> scales. The conventions are those of kj_h5.
 module kj_h5_write
    use hdf5, only: hid_t, hsize_t, h5dcreate_f, h5screate_simple_f, h5sclose_f, h5pclose_f, &
-      h5pset_chunk_f, h5pset_shuffle_f, h5pset_deflate_f, H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, &
+      h5pset_chunk_f, h5pset_fletcher32_f, h5pset_shuffle_f, h5pset_deflate_f, H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, &
       size_t, h5dwrite_f, h5tclose_f, h5pcreate_f, h5pset_buffer_f, H5P_DATASET_XFER_F, &
-      H5T_NATIVE_DOUBLE
+      H5T_NATIVE_DOUBLE, H5T_STD_U8LE
    use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
    use kj_error, only: error_t
-   use kj_h5, only: check, start_object, file_type, make_space, c_texts, utf8_type
+   use kj_h5, only: check, close_object, start_object, file_type, make_space, c_texts, utf8_type
+   use, intrinsic :: iso_fortran_env, only: int8, int64
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
    use kj_kinds, only: wp
    use kj_text, only: text_t
    implicit none
    private
 
-   public :: create_series, make_scale, attach_scale, write_numbers, write_texts, write_text
+   public :: create_series, make_scale, attach_scale, write_numbers, write_texts, write_text, &
+      write_bytes
 
    integer, parameter :: DEFLATE_LEVEL = 1
 
    !> Where values are converted. The library takes 1 MB and clears it for every dataset, which is a
    !> third of all work for a small history; here it has room for the values, up to that.
    integer(size_t), parameter :: LEAST_BUFFER = 1024, MOST_BUFFER = 1024*1024, VALUE_BYTES = 16
+   integer(hsize_t), parameter :: BYTES_CHUNK = 1024*1024
 
 contains
 
@@ -175,5 +178,32 @@ contains
       if (plist > 0) call h5pclose_f(plist, ignored)
       call check(status, 'write the dataset '//name, error)
    end subroutine create_fixed
+
+   !> Create and fill a dataset of bytes that is read back whole or not at all: it has check sums
+   subroutine write_bytes(parent, name, byte, error)
+      integer(hid_t), intent(in) :: parent
+      character(len=*), intent(in) :: name
+      integer(int8), contiguous, target, intent(in) :: byte(:)
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: space, plist, id
+      integer(hsize_t) :: n
+      integer :: status, ignored
+
+      if (allocated(error)) return
+      id = -1
+      space = -1
+      n = size(byte, kind=int64)
+      call start_object(H5P_DATASET_CREATE_F, plist, status)
+      if (status >= 0) call h5pset_chunk_f(plist, 1, [min(n, BYTES_CHUNK)], status)
+      if (status >= 0) call h5pset_fletcher32_f(plist, status)
+      if (status >= 0) call h5screate_simple_f(1, [n], space, status)
+      if (status >= 0) call h5dcreate_f(parent, name, H5T_STD_U8LE, space, id, status, plist)
+      if (status >= 0) call h5dwrite_f(id, H5T_STD_U8LE, c_loc(byte), status)
+      if (space > 0) call h5sclose_f(space, ignored)
+      if (plist > 0) call h5pclose_f(plist, ignored)
+      call check(status, 'write the dataset '//name, error)
+      call close_object(id, error)
+   end subroutine write_bytes
 
 end module kj_h5_write

@@ -50,6 +50,30 @@ def with_openmp():
 
 
 class Models(unittest.TestCase):
+    def test_a_restored_model_goes_on_with_the_same_bits(self):
+        for options in (dict(formulation="legacy"), {}):
+            whole = kjoint.Model(REV01, until=0.02, sample=1e-3, **options).start()
+            whole.advance(0.01)
+            state = whole.save()
+            other = kjoint.Model(REV01, until=0.02, sample=1e-3, **options).restore(state)
+            for model in (whole, other):
+                model.advance(0.02)
+                model.sample()
+            for channel in ("time", "joint/force", "rigid_body/position"):
+                np.testing.assert_array_equal(whole[channel], other[channel])
+
+    def test_a_state_of_another_deck_or_a_cut_one_is_refused(self):
+        state = kjoint.Model(REV01).start().save()
+        for deck, bytes_, options, why in (
+                (UNI01, state, {}, "another deck"), (REV01, state[:-8], {}, "damaged"),
+                (REV01, b"", {}, "no saved state"), (REV01, state + b"x", {}, "damaged"),
+                (REV01, state, dict(kn_scale=2.0), "saved with"),
+                (REV01, state, dict(formulation="legacy"), "saved with")):
+            with self.assertRaisesRegex(kjoint.Error, why):
+                kjoint.Model(deck, **options).restore(bytes_)
+        with self.assertRaisesRegex(kjoint.Error, "not started"):
+            kjoint.Model(REV01).save()
+
     def test_stepping_gives_the_bits_of_a_run(self):
         options = dict(until=0.02, sample=1e-3, formulation="legacy")
         run = kjoint.Model(REV01, **options).run()
