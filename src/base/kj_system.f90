@@ -7,7 +7,8 @@ module kj_system
    implicit none
    private
 
-   public :: rename_file, remove_file, sync_file, absolute_path, host_name, date_time, wall_clock, thread_clock
+   public :: rename_file, remove_file, sync_file, absolute_path, host_name, date_time, &
+      wall_clock, thread_clock
 
    !> struct timespec
    type, bind(c) :: c_time_t
@@ -89,18 +90,20 @@ contains
       done = c_close(file) == 0 .and. done
    end subroutine sync_file
 
-   !> Where a file is, from the root; the path as it was where there is no such file
+   !> Where a file is or will be, from the root; the path as it was where there is no such folder
    subroutine absolute_path(path, whole)
       character(len=*), intent(in) :: path
       character(len=:), allocatable, intent(out) :: whole
 
       integer, parameter :: PATH_MAX = 4096
       character(len=PATH_MAX + 1) :: buffer
+      integer :: cut
 
       whole = path
       buffer = ''
-      if (.not. c_associated(c_realpath(path//c_null_char, buffer))) return
-      whole = buffer(:index(buffer, c_null_char) - 1)
+      cut = index(path, '/', back=.true.)
+      if (.not. c_associated(c_realpath(path(:cut)//'.'//c_null_char, buffer))) return
+      whole = buffer(:index(buffer, c_null_char) - 1)//'/'//path(cut + 1:)
    end subroutine absolute_path
 
    !> Name of this machine, empty when it has none

@@ -34,8 +34,8 @@ contains
       end if
       if (size_of == 0 .and. c_associated(needed)) return
       if (size_of < size(byte, kind=c_size_t) .or. .not. c_associated(state)) then
-         status = refuse('the state has '//str(size(byte))//' bytes, and there is no room for them', &
-            box%message)
+         status = refuse('the state has '//str(size(byte))// &
+            ' bytes, and there is no room for them', box%message)
          return
       end if
       call c_f_pointer(state, room, [size(byte)])

@@ -1,5 +1,6 @@
 !> Reading HDF5 datasets, names and attributes; the conventions are those of kj_h5. A file may hold
 !> anything, so every shape and type is tested before memory is asked for.
+!> One file: all that reads numbers and texts.
 module kj_h5_read
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_size_t, c_f_pointer, c_associated
    use hdf5, only: hid_t, hsize_t, h5oopen_f, h5gget_info_f, h5dread_f, h5dget_space_f, &

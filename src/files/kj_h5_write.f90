@@ -2,7 +2,8 @@
 !> scales. The conventions are those of kj_h5.
 module kj_h5_write
    use hdf5, only: hid_t, hsize_t, h5dcreate_f, h5screate_simple_f, h5sclose_f, h5pclose_f, &
-      h5pset_chunk_f, h5pset_fletcher32_f, h5pset_shuffle_f, h5pset_deflate_f, H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, &
+      h5pset_chunk_f, h5pset_fletcher32_f, h5pset_shuffle_f, h5pset_deflate_f, &
+      H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, &
       size_t, h5dwrite_f, h5tclose_f, h5pcreate_f, h5pset_buffer_f, H5P_DATASET_XFER_F, &
       H5T_NATIVE_DOUBLE, H5T_STD_U8LE
    use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f

@@ -1,6 +1,6 @@
 !> The file of a checkpoint, RUN.restart.h5: the state of a run as bytes, and as attributes what is
-!> needed to go on: the decks, the options, the history. It is written beside, and takes its name when
-!> it is whole and on the disk.
+!> needed to go on: the decks, the options, the history. It is written beside, and takes its name
+!> when it is whole and on the disk.
 module kj_restart_file
    use, intrinsic :: iso_fortran_env, only: int8
    use kj_kinds, only: wp
@@ -20,7 +20,7 @@ module kj_restart_file
    type :: restart_t
       character(len=:), allocatable :: starter, engine   !! paths of the decks; engine may be ''
       character(len=:), allocatable :: history           !! path of the history
-      character(len=:), allocatable :: options           !! of the run, as read_run_options reads them
+      character(len=:), allocatable :: options           !! of the run, for read_run_options
       real(wp) :: time = 0.0_wp
       integer :: cycle = 0
       integer(int8), allocatable :: state(:)             !! as restore_simulation takes it
