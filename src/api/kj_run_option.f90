@@ -5,7 +5,7 @@ module kj_run_option
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT, ERR_INTERNAL
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE
-   use kj_schedule, only: has_threads
+   use kj_team, only: has_threads
    implicit none
    private
 

@@ -3,7 +3,7 @@ module kj_run_arguments
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, code_of, ERR_INPUT
    use kj_number, only: parse_integer, NUMBER_FINE
-   use kj_schedule, only: has_threads
+   use kj_team, only: has_threads
    use kj_terminal, only: environment
    use kj_option, only: arguments_t, option_t, option, FIRST_RUN, OPT_LEGACY
    use kjoint, only: run_options_t, run_options, set_run_option

@@ -85,7 +85,7 @@ contains
          !$omp simd private(scale)
          do i = 1, n
             scale = 1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
-            ! others may look at a lead at rest (kj_schedule): it does not change by a rounding
+            ! a lead at rest does not change by a rounding
             scale = merge(scale, 1.0_wp, model%inverse_inertia(from + i - 1, 1) > 0.0_wp)
             state%poses%quat(from + i - 1, 1) = q(i, 1)*scale
             state%poses%quat(from + i - 1, 2) = q(i, 2)*scale

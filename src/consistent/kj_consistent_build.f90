@@ -2,9 +2,9 @@
 !> One file: constants and first state come from the same cards, in one order.
 module kj_consistent_build
    use kj_kinds, only: wp
-   use kj_schedule, only: new_team, new_plan, plan_of_leads
+   use kj_team, only: new_team
    use kj_block, only: block_of, lane_of
-   use kj_lead_map, only: SPAN, N_SUM
+   use kj_lead_map, only: N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
@@ -14,7 +14,7 @@ module kj_consistent_build
    use kj_consistent_batch, only: chart_of, new_consistent_joint
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
-   use kj_consistent_conditions, only: collect_holds, at_rest, all_blocked, motion_targets, &
+   use kj_consistent_conditions, only: collect_holds, all_blocked, motion_targets, &
       project_all, WHOLE
    use kj_gravity, only: new_gravity
    use kj_consistent_step, only: find_forces
@@ -49,12 +49,8 @@ contains
          call build_batch(b, model)
       end do
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
-         min(SPAN, model%n_end), model%team)
-      call new_plan(model%batch%first, model%map, model%team, model%once)
-      call plan_of_leads(model%team, model%alone)
+         model%n_lead, model%team)
       model%damped = any([(model%batch(b)%geometry%damped, b=1, size(model%batch))])
-      if (model%damped) call new_plan(model%batch%first, model%map, model%team, model%twice, &
-         rests=at_rest(model))
       model%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
       model%placed = [integer ::]
       do i = 1, size(model%skews%needed)
@@ -269,7 +265,7 @@ contains
       do b = 1, size(model%batch)
          call new_consistent_joint(model%batch(b), state%joint(b))
       end do
-      allocate (state%part(N_SUM, size(model%once%hub), 2), source=0.0_wp)
+      allocate (state%part(N_SUM, model%map%part(size(model%map%part)) - 1), source=0.0_wp)
       allocate (state%wrench(N_CONSISTENT_WRENCH, model%n_element), &
          state%motion_at(size(model%motion)), &
          state%load_force(3, sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &

@@ -16,7 +16,7 @@ module kj_consistent_conditions
    private
 
    public :: project, project_all, count_work, keep_rates, project_rates, hold_rotations, &
-      body_matrix, motion_targets, held_force, collect_holds, at_rest, all_blocked
+      body_matrix, motion_targets, held_force, collect_holds, all_blocked
 
    !> Part of a step that a projection ends
    integer, parameter, public :: FIRST_HALF = 1, SECOND_HALF = 2, WHOLE = 3
@@ -475,22 +475,6 @@ contains
          model%hold_to((lead + BLOCK - 1)/BLOCK) = n
       end do
    end subroutine sort_holds
-
-   !> Leads that are blocked in all directions
-   pure function at_rest(model) result(rests)
-      type(consistent_model_t), intent(in) :: model
-      logical :: rests(size(model%hold_of))
-
-      integer :: i
-
-      rests = .false.
-      do i = 1, size(model%hold)
-         associate (hold => model%hold(i))
-            rests(hold%lead) = all_blocked(hold%trans, hold%n_trans) .and. &
-               all_blocked(hold%rot, hold%n_rot)
-         end associate
-      end do
-   end function at_rest
 
    !> Rows hold three directions, and none is driven
    pure logical function all_blocked(rows, n) result(blocked)

@@ -164,10 +164,8 @@ contains
    end subroutine kick_leads
 
    !> Add the wrenches of the joints to the leads lo..hi, at most BLOCK
-   pure subroutine gather(model, ready, round, lo, hi, state)
+   pure subroutine gather(model, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
-      logical, intent(in) :: ready(:)                !! (parts of hubs) summed
-      integer, intent(in) :: round                   !! of their sums
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
@@ -175,8 +173,7 @@ contains
       real(wp), dimension(BLOCK) :: kn, kr            ! these wrenches have none
       integer :: n
 
-      call gather_wrenches(model%map, state%wrench, ready, state%part(:, :, round), lo, hi, f, t, &
-         kn, kr)
+      call gather_wrenches(model%map, state%wrench, state%part, lo, hi, f, t, kn, kr)
       n = hi - lo + 1
       state%f(lo:hi, :) = state%f(lo:hi, :) + f(:n, :)
       state%t(lo:hi, :) = state%t(lo:hi, :) + t(:n, :)

@@ -2,7 +2,7 @@
 !> at the same time t(n); the leads (bodies and free nodes) all have an attitude.
 module kj_consistent_state
    use kj_kinds, only: wp
-   use kj_schedule, only: team_t, plan_t
+   use kj_team, only: team_t
    use kj_model, only: model_t
    use kj_joint_batch, only: joint_batch_t
    use kj_consistent_batch, only: consistent_joint_t
@@ -41,8 +41,6 @@ module kj_consistent_state
    type, extends(model_t) :: consistent_model_t
       type(joint_batch_t), allocatable :: geometry(:)   !! of each batch
       type(team_t) :: team                       !! pieces for the threads
-      ! and their order: joints and leads once, twice (springs, dampers; where damped), leads alone
-      type(plan_t) :: once, twice, alone
       logical :: damped = .false.                !! some joint has damping
       real(wp), allocatable :: inverse_mass(:)   !! (n_lead) 0 where held or massless
       !> (n_lead, 3) principal inertia and its inverse, 0 where held
@@ -86,7 +84,7 @@ module kj_consistent_state
       type(kept_t) :: kept
       type(consistent_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element)
-      real(wp), allocatable :: part(:, :, :)     !! (N_SUM, parts of hubs, 2 rounds) their sums
+      real(wp), allocatable :: part(:, :)        !! (N_SUM, parts of hubs) their sums
       !> (n_motion) value reached: velocity of an imposed acceleration
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads

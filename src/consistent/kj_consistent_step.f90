@@ -5,8 +5,7 @@ module kj_consistent_step
    use kj_math3, only: cross
    use kj_block, only: BLOCK
    use kj_skew, only: move_skews
-   use kj_lead_map, only: sum_part
-   use kj_schedule, only: plan_t, DO_JOINTS, DO_PART, DO_LEADS
+   use kj_lead_map, only: sum_hubs
    use kj_consistent_springs, only: add_springs
    use kj_consistent_dampers, only: add_dampers
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -75,9 +74,9 @@ contains
       call to_new_pose(OPEN, NOTHING, model, step, state)
    end subroutine find_forces
 
-   !> Leads come to the new pose, forces of all but the dampers follow, these from what they look
-   !> at, and the end of the step. Joints follow as soon as both leads are ready for them, except
-   !> where nodes or loads come between.
+   !> Leads come to the new pose, forces of all but the dampers follow, these from what leads look
+   !> at then, and the end of the step. Leads do all that lies between two looks of the joints in
+   !> one go, except where nodes or loads come between.
    subroutine to_new_pose(first, last, model, step, state)
       integer, intent(in) :: first, last             !! what leads do before joints, and after them
       type(consistent_model_t), intent(in) :: model
@@ -85,106 +84,86 @@ contains
       type(consistent_state_t), intent(inout) :: state
 
       integer :: before
-      logical :: loaded
 
-      before = first
-      if (size(model%placed) > 0) then
-         call for_leads(first, model, step, state)
-         call place_nodes(model, state)
-         before = NOTHING
-      end if
+      before = merge(LOOK, last, model%damped)       ! before the dampers, or the end
+      call for_leads(first, model, step, state)
+      if (size(model%placed) > 0) call place_nodes(model, state)
       call find_gravity(model, state)
       state%poses%time = state%time
       state%poses%h = step%h
-      loaded = is_loaded(model, state)
-      if (model%damped .and. .not. loaded) then
-         call go_through(model%twice, [before, GATHERING + WEIGH + LOOK, GATHERING + last], &
-            [SPRINGS, DAMPERS], model, step, state)
-      else if (.not. loaded) then
-         call go_through(model%once, [before, GATHERING + WEIGH + last], [SPRINGS], model, step, &
-            state)
+      call for_joints(SPRINGS, model, step, state)
+      if (is_loaded(model, state)) then
+         call for_leads(GATHERING + WEIGH, model, step, state)
       else
-         call go_through(model%once, [before, GATHERING + WEIGH], [SPRINGS], model, step, state)
+         call for_leads(GATHERING + WEIGH + before, model, step, state)
       end if
       if (first == MOVE) call count_work(FIRST_HALF, state)
       call count_gravity(model, step%h, state)
-      if (loaded) then
+      if (is_loaded(model, state)) then
          call add_loads(model, state)
          call add_host_loads(step%h, state)
-         if (model%damped) then
-            call go_through(model%once, [LOOK, GATHERING + last], [DAMPERS], model, step, state)
-         else
-            call for_leads(last, model, step, state)
-         end if
+         call for_leads(before, model, step, state)
+      end if
+      if (model%damped) then
+         call for_joints(DAMPERS, model, step, state)
+         call for_leads(GATHERING + last, model, step, state)
       end if
       if (last == KICKING) call count_work(SECOND_HALF, state)
    end subroutine to_new_pose
 
-   !> One thing with all leads
+   !> Something with all leads, piece by piece: in threads, or without them. Even a team of one
+   !> thread costs a microsecond, more than the stage of a few joints.
    subroutine for_leads(what, model, step, state)
       integer, intent(in) :: what
       type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
-      call go_through(model%alone, [what], [integer ::], model, step, state)
+      integer :: piece
+
+      if (what == NOTHING) return
+      associate (team => model%team)
+         if (iand(what, GATHERING) /= 0) call sum_hubs(model%map, team%threads, state%wrench, &
+            state%part)
+         if (team%threads == 1) then
+            do piece = 1, size(team%lead, 2)
+               call work_on_leads(what, team%lead(:, piece), model, step, state)
+            end do
+            return
+         end if
+         !$omp parallel do schedule(dynamic, 1) num_threads(team%threads)
+         do piece = 1, size(team%lead, 2)
+            call work_on_leads(what, team%lead(:, piece), model, step, state)
+         end do
+      end associate
    end subroutine for_leads
 
-   !> Stages of a plan one after the other, piece by piece: in threads, or without them. Even a team
-   !> of one thread costs a microsecond, more than the stage of a few joints.
-   subroutine go_through(plan, leads, joints, model, step, state)
-      type(plan_t), intent(in) :: plan
-      integer, intent(in) :: leads(0:), joints(:)    !! (rounds) what to do with them
-      type(consistent_model_t), intent(in) :: model
-      type(step_t), intent(in) :: step
-      type(consistent_state_t), intent(inout) :: state
-
-      integer :: s, share, task
-
-      do s = lbound(plan%stage, 1), ubound(plan%stage, 1)
-         if (size(plan%stage(s)%item) == 0) cycle
-         if (plan%team%threads == 1) then
-            do task = 1, size(plan%stage(s)%item)
-               call do_task(plan, s, task, leads, joints, model, step, state)
-            end do
-            cycle
-         end if
-         !$omp parallel do schedule(dynamic, 1) num_threads(plan%team%threads) private(task)
-         do share = 1, ubound(plan%stage(s)%shares, 1)
-            do task = plan%stage(s)%shares(share - 1) + 1, plan%stage(s)%shares(share)
-               call do_task(plan, s, task, leads, joints, model, step, state)
-            end do
-         end do
-      end do
-   end subroutine go_through
-
-   !> A task of stage s
-   subroutine do_task(plan, s, task, leads, joints, model, step, state)
-      type(plan_t), intent(in) :: plan
-      integer, intent(in) :: s, task, leads(0:), joints(:)
-      type(consistent_model_t), intent(in) :: model
-      type(step_t), intent(in) :: step
-      type(consistent_state_t), intent(inout) :: state
-
-      associate (item => plan%stage(s)%item(task), round => plan%stage(s)%round(task))
-         select case (plan%stage(s)%kind(task))
-         case (DO_JOINTS)
-            call work_on_joints(joints(round), plan%team%joint(:, item), model, step, state)
-         case (DO_PART)
-            call sum_part(model%map, state%wrench, plan%hub(item), item, &
-               state%part(:, item, round))
-         case (DO_LEADS)
-            call work_on_leads(leads(round), plan%ready(:, max(1, round)), round, &
-               plan%team%lead(:, item), model, step, state)
-         end select
-      end associate
-   end subroutine do_task
-
-   !> A piece of the leads, whole blocks of kj_gravity at a time
-   subroutine work_on_leads(what, ready, round, piece, model, step, state)
+   !> Something with all joints
+   subroutine for_joints(what, model, step, state)
       integer, intent(in) :: what
-      logical, intent(in) :: ready(:)                !! (parts of hubs) summed
-      integer, intent(in) :: round                   !! of their sums
+      type(consistent_model_t), intent(in) :: model
+      type(step_t), intent(in) :: step
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: piece
+
+      associate (team => model%team)
+         if (team%threads == 1) then
+            do piece = 1, size(team%joint, 2)
+               call work_on_joints(what, team%joint(:, piece), model, step, state)
+            end do
+            return
+         end if
+         !$omp parallel do schedule(dynamic, 1) num_threads(team%threads)
+         do piece = 1, size(team%joint, 2)
+            call work_on_joints(what, team%joint(:, piece), model, step, state)
+         end do
+      end associate
+   end subroutine for_joints
+
+   !> A piece of the leads, block by block
+   subroutine work_on_leads(what, piece, model, step, state)
+      integer, intent(in) :: what
       integer, intent(in) :: piece(2)                !! first, last lead
       type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
@@ -192,13 +171,12 @@ contains
 
       integer :: lo, hi
 
-      if (what == NOTHING) return
       do lo = piece(1), piece(2), BLOCK
          hi = min(lo + BLOCK - 1, piece(2))
          if (has(MOVE)) call move_leads(model, step%midpoint, step%h, step%mean, step%active, &
             lo, hi, state)
          if (has(OPEN)) call open_leads(model, step%h, lo, hi, state)
-         if (has(GATHERING)) call gather(model, ready, round, lo, hi, state)
+         if (has(GATHERING)) call gather(model, lo, hi, state)
          if (has(WEIGH)) call add_gravity(model, lo, hi, state)
          if (has(LOOK)) call look_leads(model, step%h, step%final, step%active, lo, hi, state)
          if (has(KICKING)) call kick_leads(model, step%h, step%final, step%active, lo, hi, state)
@@ -268,7 +246,6 @@ contains
 
       integer :: i
 
-      if (size(model%placed) == 0) return
       do i = 1, size(model%placed)
          state%node(model%placed(i), :) = place_node(model, state, model%placed(i))
       end do

@@ -1,13 +1,13 @@
 !> Sum of joint wrenches into the leads that carry them. Each lead gathers its own joints in
 !> ascending order, so the bits of the result do not depend on the number of threads. A lead with
-!> more than SPAN joint ends, a "hub", sums them SPAN by SPAN: threads can share these parts.
+!> more than SPAN joint ends, a "hub", sums them SPAN by SPAN: threads share these parts.
 module kj_lead_map
    use kj_kinds, only: wp
    use kj_sort, only: lower_bound
    implicit none
    private
 
-   public :: lead_map_t, build_lead_map, part_entries, sum_part, gather_wrenches
+   public :: lead_map_t, build_lead_map, sum_hubs, gather_wrenches
 
    !> Rows of the wrench of a joint
    integer, parameter, public :: W_FORCE = 1     !! 1-3: force on end 1, W; end 2 gets the opposite
@@ -19,6 +19,7 @@ module kj_lead_map
 
    integer, parameter, public :: SPAN = 64
    integer, parameter, public :: N_SUM = 8        !! rows of a sum: force, moment, kn, kr
+   integer, parameter :: WORTH_IT = 32            !! parts that threads share
 
    !> For each lead, the joint ends that act on it (compressed rows)
    type :: lead_map_t
@@ -90,19 +91,41 @@ contains
       total = [f, m, kn, kr]
    end subroutine sum_part
 
-   !> f, m, kn, kr of leads lo..hi := sums over their joints; row 1 is lead lo. kn and kr are 0
-   !> where wrenches have none.
-   pure subroutine gather_wrenches(map, wrench, ready, part, lo, hi, f, m, kn, kr)
+   !> Sums of all parts of hubs
+   subroutine sum_hubs(map, threads, wrench, part)
+      type(lead_map_t), intent(in) :: map
+      integer, intent(in) :: threads
+      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (rows of one, n_joint)
+      real(wp), intent(inout) :: part(:, :)      !! (N_SUM, parts)
+
+      integer :: h, p
+
+      do h = 1, size(map%hub)
+         if (threads == 1 .or. map%part(h + 1) - map%part(h) < WORTH_IT) then
+            do p = map%part(h), map%part(h + 1) - 1
+               call sum_part(map, wrench, h, p, part(:, p))
+            end do
+            cycle
+         end if
+         !$omp parallel do num_threads(threads)
+         do p = map%part(h), map%part(h + 1) - 1
+            call sum_part(map, wrench, h, p, part(:, p))
+         end do
+      end do
+   end subroutine sum_hubs
+
+   !> f, m, kn, kr of leads lo..hi := sums over their joints, of hubs over their parts; row 1 is
+   !> lead lo. kn and kr are 0 where wrenches have none.
+   pure subroutine gather_wrenches(map, wrench, part, lo, hi, f, m, kn, kr)
       type(lead_map_t), intent(in) :: map
       real(wp), contiguous, intent(in) :: wrench(:, :)    !! (rows of one, n_joint)
-      logical, intent(in) :: ready(:)            !! the sum of this part of a hub is there
-      real(wp), intent(in) :: part(:, :)         !! (N_SUM, parts)
+      real(wp), intent(in) :: part(:, :)         !! (N_SUM, parts), see sum_hubs
       integer, intent(in) :: lo, hi
       real(wp), intent(inout) :: f(lo:, :), m(lo:, :)     !! (>= hi - lo + 1, 3), W
       real(wp), intent(inout) :: kn(lo:), kr(lo:)         !! (>= hi - lo + 1)
 
       real(wp) :: total(N_SUM)
-      integer :: from, to, h
+      integer :: from, to, h, p
 
       from = lo
       do h = lower_bound(map%hub, lo), size(map%hub)
@@ -110,7 +133,10 @@ contains
          if (to > hi) exit
          call sum_rows(to - from, map%first(from:to), map%joint, wrench, f(from:, :), &
             m(from:, :), kn(from:), kr(from:))
-         call sum_parts(map, wrench, ready, part, h, total)
+         total = 0.0_wp
+         do p = map%part(h), map%part(h + 1) - 1
+            total = total + part(:, p)
+         end do
          f(to, :) = total(1:3)
          m(to, :) = total(4:6)
          kn(to) = total(7)
@@ -158,28 +184,5 @@ contains
          kr(row) = r
       end do
    end subroutine sum_rows
-
-   !> Sum of the parts of hub h, those that are not ready included
-   pure subroutine sum_parts(map, wrench, ready, part, h, total)
-      type(lead_map_t), intent(in) :: map
-      real(wp), contiguous, intent(in) :: wrench(:, :)
-      logical, intent(in) :: ready(:)
-      real(wp), intent(in) :: part(:, :)
-      integer, intent(in) :: h
-      real(wp), intent(out) :: total(N_SUM)
-
-      real(wp) :: more(N_SUM)
-      integer :: p
-
-      total = 0.0_wp
-      do p = map%part(h), map%part(h + 1) - 1
-         if (ready(p)) then
-            more = part(:, p)
-         else
-            call sum_part(map, wrench, h, p, more)
-         end if
-         total = total + more
-      end do
-   end subroutine sum_parts
 
 end module kj_lead_map

@@ -24,7 +24,7 @@ contains
       integer :: i
 
       if (.not. allocated(state%joint)) return   ! the other formulation runs
-      ! not here, as the model makes them: team, plan, crew
+      ! not here, as the model makes them: team, crew
       call keep(self, state%cycle)
       call keep(self, state%time)
       call keep(self, state%h1)
@@ -35,7 +35,6 @@ contains
       call keep(self, state%owner)
       call keep(self, state%ended)
       call keep(self, state%sampling)
-      call keep(self, state%behind)
       call keep(self, state%turn2)
       call keep(self, state%turn_body)
       call keep_world(self, state%world)

@@ -2,7 +2,7 @@
 module kj_legacy_inside
    use kj_kinds, only: wp
    use kj_block, only: block_of, lane_of
-   use kj_lead_map, only: gather_wrenches, W_FORCE, W_MOMENT1, W_MOMENT2
+   use kj_lead_map, only: sum_hubs, gather_wrenches, W_FORCE, W_MOMENT1, W_MOMENT2
    use kj_model, only: model_t
    use kj_snapshot, only: inside_t
    use kj_legacy_state, only: legacy_state_t
@@ -38,10 +38,10 @@ contains
       integer, intent(in) :: lead
       real(wp), intent(out) :: kn, kr
 
-      real(wp) :: f(1, 3), m(1, 3), k(1), r(1)
+      real(wp) :: f(1, 3), m(1, 3), k(1), r(1), part(size(state%part, 1), size(state%part, 2))
 
-      call gather_wrenches(model%map, state%wrench, spread(.false., 1, size(state%part, 2)), &
-         state%part, lead, lead, f, m, k, r)
+      call sum_hubs(model%map, 1, state%wrench, part)
+      call gather_wrenches(model%map, state%wrench, part, lead, lead, f, m, k, r)
       kn = k(1)
       kr = r(1)
    end subroutine legacy_stiffness

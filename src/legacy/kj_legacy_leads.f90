@@ -4,7 +4,7 @@
 module kj_legacy_leads
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
-   use kj_schedule, only: MOST
+   use kj_team, only: MOST
    use kj_block, only: BLOCK
    use kj_model, only: model_t
    use kj_legacy_state, only: legacy_state_t, EPS20
@@ -92,8 +92,8 @@ contains
       integer :: n
 
       associate (lo => state%team%lead(1, piece), hi => state%team%lead(2, piece))
-         call gather_wrenches(model%map, state%wrench, state%plan%ready(:, 1), state%part, lo, hi, &
-            load%f, load%m, load%kn, load%kr)
+         call gather_wrenches(model%map, state%wrench, state%part, lo, hi, load%f, load%m, &
+            load%kn, load%kr)
          n = hi - lo + 1
       end associate
       load%kn(:n) = load%kn(:n) + EPS20

@@ -4,8 +4,8 @@
 !> t(n).
 module kj_legacy_state
    use kj_kinds, only: wp
-   use kj_schedule, only: team_t, new_team, plan_t, new_plan
-   use kj_lead_map, only: SPAN, N_SUM, N_WRENCH
+   use kj_team, only: team_t, new_team
+   use kj_lead_map, only: N_SUM, N_WRENCH
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_legacy_force, only: world_t
    use kj_legacy_joint, only: legacy_joint_t, new_legacy_joint
@@ -39,13 +39,11 @@ module kj_legacy_state
       integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: index of lead or joint
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
       logical :: sampling = .false.                       !! keep what only samples need
-      logical :: behind = .false.                         !! positions, v and w are still to move
       !> largest square of a turn in a step so far
       real(wp) :: turn2 = 0.0_wp
       integer :: turn_body = 0                            !! the body that made it
       ! nodes and leads
       type(team_t) :: team                                 !! pieces for the threads
-      type(plan_t) :: plan                                 !! and their order
       type(world_t) :: world                               !! x, w, skew axes
       real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3); d where it is read
       real(wp), allocatable :: a(:, :), al(:, :)           !! (n_lead, 3)
@@ -173,9 +171,7 @@ contains
       placed = placed_nodes(model)
       call list_crew(model, placed, state%crew)
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
-         min(SPAN, model%map%first(2:) - model%map%first(:model%n_lead)) + &
-         state%crew%first(2:) - state%crew%first(:model%n_lead), state%team)
-      call new_plan(model%batch%first, model%map, state%team, state%plan)
+         model%n_lead, state%team)
       allocate (state%least(size(state%team%lead, 2)), source=huge(1.0_wp))
       allocate (state%least_at(size(state%team%lead, 2)), source=0)
       allocate (state%fastest(size(state%team%lead, 2)), source=0.0_wp)
@@ -202,7 +198,7 @@ contains
          call new_legacy_joint(model%batch(i), state%joint(i))
       end do
       allocate (state%wrench(N_WRENCH, model%n_element), source=0.0_wp)
-      allocate (state%part(N_SUM, size(state%plan%hub)), source=0.0_wp)
+      allocate (state%part(N_SUM, model%map%part(size(model%map%part)) - 1), source=0.0_wp)
       allocate (state%motion_power(size(model%motion)), source=0.0_wp)
       allocate (state%motion_turn(size(model%motion), 3), source=0.0_wp)
       allocate (state%load_abscissa(sum([(size(model%cload(i)%node), i=1, size(model%cload))])), &

@@ -8,10 +8,9 @@ module kj_legacy_step
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_legacy_state, only: legacy_state_t
    use kj_block, only: BLOCK
-   use kj_schedule, only: DO_JOINTS, DO_PART, DO_LEADS
    use kj_skew, only: move_skews
    use kj_legacy_force, only: add_joint_forces
-   use kj_lead_map, only: sum_part
+   use kj_lead_map, only: sum_hubs
    use kj_legacy_load, only: is_loaded, add_cloads, turn_loads, find_gravity, &
       hold_conditions, impose_motion
    use kj_legacy_leads, only: gather, gather_and_accelerate, accelerate, accelerate_again
@@ -49,17 +48,14 @@ contains
       state%h1 = state%h2
       call ready_joints(model, state, sampling)
       call find_gravity(model, state)
+      call do_joints(model, state)
       if (is_loaded(model, state)) then
-         call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
-         call in_pieces(gather, state%team%leads, model, state)
+         call for_leads(gather, model, state)
          call add_cloads(model, state)
          call add_host_loads(state)
-         call in_pieces(accelerate, state%team%leads, model, state)
+         call for_leads(accelerate, model, state)
       else
-         if (state%behind) call in_pieces(do_first, state%plan%stage(0)%shares, model, state)
-         call in_pieces(do_all_of, state%plan%stage(1)%shares, model, state)
-         call in_pieces(do_late, state%plan%stage(2)%shares, model, state)
-         state%behind = .false.
+         call for_leads(gather_and_accelerate, model, state)
       end if
       call solve_conditioned(model, state)
       call choose_step(model, state)
@@ -67,7 +63,7 @@ contains
       if (.not. allocated(error)) call set_blocking(model, state, error)
       state%work = state%work + state%power*state%h2
       if (any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])) &
-         call in_pieces(accelerate_again, state%team%leads, model, state)
+         call for_leads(accelerate_again, model, state)
       do i = 1, size(state%field)
          state%work = state%work + sum(state%field(i)%power)*state%h1
       end do
@@ -75,8 +71,7 @@ contains
       call impose_motion(model, state)
    end subroutine find_accelerations
 
-   !> Move everything to t(n + 1): at once, or in the next find_accelerations, where nothing but
-   !> joints looks at nodes before.
+   !> Move everything to t(n + 1).
    !>
    !> Errors: ERR_RUN when a body turns too far in a step.
    subroutine advance(model, state, error)
@@ -87,9 +82,7 @@ contains
       integer :: i
 
       call check_turns(model, state, error)
-      state%behind = .not. is_loaded(model, state) .and. size(model%motion) == 0 .and. &
-         size(model%skews%needed) == 0
-      if (.not. state%behind) call in_pieces(move, state%team%leads, model, state)
+      call for_leads(move, model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &
             state%h2*state%world%w(model%motion(i)%lead, :)
@@ -107,8 +100,8 @@ contains
       logical, intent(in) :: sampling        !! keep the rates, too
 
       call ready_joints(model, state, sampling)
-      call in_pieces(do_joints_of, state%plan%stage(1)%shares, model, state)
-      call in_pieces(gather, state%team%leads, model, state)
+      call do_joints(model, state)
+      call for_leads(gather, model, state)
    end subroutine find_joint_forces
 
    !> What joints look at
@@ -139,83 +132,54 @@ contains
 
    !> Do a stage piece by piece: in threads, or without them. Even a team of one thread costs a
    !> microsecond, more than the stage of a few joints.
-   subroutine in_pieces(stage, shares, model, state)
+   subroutine in_pieces(stage, pieces, model, state)
       procedure(stage_i) :: stage
-      integer, intent(in) :: shares(0:)      !! pieces up to the end of each share
+      integer, intent(in) :: pieces
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
 
-      integer :: share, piece
+      integer :: piece
 
       if (state%team%threads == 1) then
-         do piece = 1, shares(1)
+         do piece = 1, pieces
             call stage(model, state, piece)
          end do
          return
       end if
-      !$omp parallel do schedule(dynamic, 1) num_threads(state%team%threads) private(piece)
-      do share = 1, state%team%shares
-         do piece = shares(share - 1) + 1, shares(share)
-            call stage(model, state, piece)
-         end do
+      !$omp parallel do schedule(dynamic, 1) num_threads(state%team%threads)
+      do piece = 1, pieces
+         call stage(model, state, piece)
       end do
    end subroutine in_pieces
 
-   !> Leads that joints of several shares wait for
-   subroutine do_first(model, state, task)
+   !> A stage for all leads
+   subroutine for_leads(stage, model, state)
+      procedure(stage_i) :: stage
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
-      integer, intent(in) :: task
 
-      call move(model, state, state%plan%stage(0)%item(task))
-   end subroutine do_first
+      call in_pieces(stage, size(state%team%lead, 2), model, state)
+   end subroutine for_leads
 
-   !> A task of the stage that most are in
-   subroutine do_all_of(model, state, task)
+   !> Forces of all joints, and the sums of hubs
+   subroutine do_joints(model, state)
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
-      integer, intent(in) :: task
 
-      if (state%plan%stage(1)%kind(task) == DO_LEADS) then
-         if (state%plan%stage(1)%round(task) > 0) then
-            call gather_and_accelerate(model, state, state%plan%stage(1)%item(task))
-         else if (state%behind) then
-            call move(model, state, state%plan%stage(1)%item(task))
-         end if
-      else
-         call do_joints_of(model, state, task)
-      end if
-   end subroutine do_all_of
+      call in_pieces(do_piece, size(state%team%joint, 2), model, state)
+      call sum_hubs(model%map, state%team%threads, state%wrench, state%part)
+   end subroutine do_joints
 
-   !> The same but for leads: joints and parts of hubs
-   subroutine do_joints_of(model, state, task)
+   subroutine do_piece(model, state, piece)
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
-      integer, intent(in) :: task
+      integer, intent(in) :: piece
 
-      integer :: b
-
-      associate (item => state%plan%stage(1)%item(task), joint => state%team%joint)
-         select case (state%plan%stage(1)%kind(task))
-         case (DO_JOINTS)
-            b = joint(1, item)
-            call add_joint_forces(model%batch(b), model%curves, state%world, state%h1, &
-               state%sampling, joint(2, item), joint(3, item), state%joint(b), state%wrench)
-         case (DO_PART)
-            call sum_part(model%map, state%wrench, state%plan%hub(item), item, &
-               state%part(:, item))
-         end select
+      associate (joint => state%team%joint(:, piece))
+         call add_joint_forces(model%batch(joint(1)), model%curves, state%world, state%h1, &
+            state%sampling, joint(2), joint(3), state%joint(joint(1)), state%wrench)
       end associate
-   end subroutine do_joints_of
-
-   !> Leads that had to wait for joints of several shares
-   subroutine do_late(model, state, task)
-      type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(inout) :: state
-      integer, intent(in) :: task
-
-      call gather_and_accelerate(model, state, state%plan%stage(2)%item(task))
-   end subroutine do_late
+   end subroutine do_piece
 
    !> New velocities and positions of bodies, their nodes and free nodes
    subroutine move(model, state, piece)

@@ -110,7 +110,7 @@ class Style(unittest.TestCase):
         self.finds("hdf5 outside", GOOD.replace("   implicit", "   use hdf5, only: a\n   implicit"))
         kinds = KINDS.replace("   implicit", "   use kj_thing, only: double\n   implicit")
         alone = GOOD.replace("   use kj_kinds, only: wp\n", "")
-        for folder in ("joint", "deck", "model", "schedule", "legacy", "consistent", "history",
+        for folder in ("joint", "deck", "model", "legacy", "consistent", "history",
                        "files", "api", "capi", "cli"):
             self.assertEqual([], self.check(GOOD, folder=folder))
             self.assertEqual([f"3: base uses kj_thing of the later folder {folder}"],

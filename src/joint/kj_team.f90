@@ -1,0 +1,65 @@
+!> Joints and leads in pieces that threads take. Within a stage of a cycle joints do not see each
+!> other, and neither do leads, so the bits of a run do not depend on how a scene is cut, or on
+!> which thread does what.
+module kj_team
+   use kj_block, only: BLOCK
+   implicit none
+   private
+
+   public :: team_t, new_team, has_threads
+
+   integer, parameter :: PIECES = 4               !! for each thread, at least: slower ones do fewer
+   !> joints or leads in a piece
+   integer, parameter, public :: MOST = 512
+
+   !> The pieces: whole blocks
+   type :: team_t
+      integer :: threads = 1
+      integer, allocatable :: joint(:, :)         !! (3, pieces) batch, first joint, last joint
+      integer, allocatable :: lead(:, :)          !! (2, pieces) first, last lead
+   end type team_t
+
+contains
+
+   !> Cut a scene. It gets no more threads than it has joints and leads for: `least` each.
+   pure subroutine new_team(threads, least, n_joint, n_lead, team)
+      integer, intent(in) :: threads, least
+      integer, intent(in) :: n_joint(:)           !! of each batch
+      integer, intent(in) :: n_lead
+      type(team_t), intent(out) :: team
+
+      integer :: b, k, from, step
+
+      team%threads = max(1, min(threads, max(sum(n_joint), n_lead)/max(1, least)))
+      step = piece_length(sum(n_joint), team%threads)
+      allocate (team%joint(3, sum((n_joint + step - 1)/step)))
+      k = 0
+      do b = 1, size(n_joint)
+         do from = 1, n_joint(b), step
+            k = k + 1
+            team%joint(:, k) = [b, from, min(from + step - 1, n_joint(b))]
+         end do
+      end do
+      step = piece_length(n_lead, team%threads)
+      allocate (team%lead(2, (n_lead + step - 1)/step))
+      do k = 1, size(team%lead, 2)
+         team%lead(:, k) = [(k - 1)*step + 1, min(k*step, n_lead)]
+      end do
+   end subroutine new_team
+
+   !> Of n joints or leads: a multiple of BLOCK
+   pure integer function piece_length(n, threads) result(length)
+      integer, intent(in) :: n, threads
+
+      length = MOST
+      if (threads > 1) length = min(MOST, BLOCK*max(1, n/(PIECES*threads*BLOCK)))
+   end function piece_length
+
+   !> Was this built with OpenMP?
+   pure logical function has_threads()
+
+      has_threads = .false.
+      !$ has_threads = .true.
+   end function has_threads
+
+end module kj_team
