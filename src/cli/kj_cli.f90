@@ -1,10 +1,11 @@
 !> The program kjoint without its main: command line in, exit code out.
 module kj_cli
-   use kj_error, only: error_t
+   use kj_error, only: error_t, finding_list_t, add_finding
+   use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_version, only: KJOINT_VERSION
    use kj_info, only: describe_history
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
-      CMD_CONVERT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_HELP, CMD_VERSION
+      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_HELP, CMD_VERSION
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -13,6 +14,7 @@ module kj_cli
    use kj_check_command, only: check_command
    use kj_study_command, only: study_command
    use kj_diff_command, only: diff_command, convert_command
+   use kj_export_command, only: export_command
    implicit none
    private
 
@@ -27,6 +29,7 @@ contains
       type(word_t), allocatable :: words(:)
       type(arguments_t) :: args
       type(error_t), allocatable :: error
+      type(finding_list_t) :: findings
       character(len=:), allocatable :: text
 
       call get_words(words)
@@ -44,6 +47,8 @@ contains
             call diff_command(args, code, error)
          case (CMD_CONVERT)
             call convert_command(args, command_line(words), error)
+         case (CMD_EXPORT)
+            call export_command(args, error)
          case (CMD_INFO)
             call describe_history(args%operand(1)%s, text, error)
             if (.not. allocated(error)) call print_text(text)
@@ -58,8 +63,27 @@ contains
       end if
       if (.not. allocated(error)) return
       code = error%code
-      call print_failure(error, may_colour(STDERR))
+      if (any_is(words, '--json')) then
+         call add_finding(findings, error)
+         call print_line('{'//json_member('exit_code', code)//', '// &
+            json_pair('findings', json_findings(findings))//'}')
+      else
+         call print_failure(error, may_colour(STDERR))
+      end if
    end subroutine run_cli
+
+   !> One of the words is this
+   pure logical function any_is(words, word)
+      type(word_t), intent(in) :: words(:)
+      character(len=*), intent(in) :: word
+
+      integer :: i
+
+      any_is = .false.
+      do i = 1, size(words)
+         any_is = any_is .or. words(i)%s == word
+      end do
+   end function any_is
 
    subroutine get_words(words)
       type(word_t), allocatable, intent(out) :: words(:)

@@ -8,8 +8,7 @@ module kj_diff_command
    use kj_reader, only: convert_t01
    use kj_sink_h5, only: sink_h5_t
    use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, &
-      OPT_WINDOW, OPT_METRICS, OPT_JUNIT, OPT_RTOL, &
-      OPT_STRICT
+      OPT_WINDOW, OPT_CHANNELS, OPT_METRICS, OPT_JUNIT, OPT_RTOL, OPT_STRICT
    use kj_terminal, only: print_text, write_file
    implicit none
    private
@@ -61,6 +60,7 @@ contains
       call option_real(args, OPT_RTOL, 0.0_wp, options%rtol, error)
       if (args%given(OPT_WINDOW) .and. .not. allocated(error)) &
          call set_window(args%value(OPT_WINDOW)%s, options, error)
+      if (args%given(OPT_CHANNELS)) options%channels = args%value(OPT_CHANNELS)%s
       if (args%given(OPT_METRICS) .and. .not. allocated(error)) &
          call find_metrics(args%value(OPT_METRICS)%s, options%metrics, error)
    end subroutine take_options

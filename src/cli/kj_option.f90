@@ -16,7 +16,9 @@ module kj_option
       option_real, option_list, did_you_mean
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
-      CMD_CONVERT = 5, CMD_INFO = 6, CMD_LIST = 7, CMD_HELP = 8, CMD_VERSION = 9
+      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_INFO = 7, CMD_LIST = 8, CMD_HELP = 9, CMD_VERSION = 10
+
+   integer, parameter :: MANY = huge(1)         !! operands
 
    !> One command of the program
    type :: command_t
@@ -39,6 +41,8 @@ module kj_option
                 'compare two histories, each a kjoint .h5 or a Radioss T01'), &
       command_t(CMD_CONVERT, 'convert',   'T01',                                1, 1, &
                 'turn a Radioss time history into a kjoint .h5'), &
+      command_t(CMD_EXPORT,  'export',    'RUN.h5 [CHANNEL ...]',               1, MANY, &
+                'a history for others: csv, json, Radioss T01'), &
       command_t(CMD_INFO,    'info',      'RUN.h5',                             1, 1, &
                 'what is in a history: channels, samples, energies, provenance'), &
       command_t(CMD_LIST,    'list',      'joints|keywords|channels',           1, 1, &
@@ -48,11 +52,11 @@ module kj_option
       command_t(CMD_VERSION, '--version', '',                                   0, 0, &
                 'print the version')]
 
-   integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, &
-      OPT_REPRODUCIBLE = 4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, &
-      OPT_RTOL = 9, OPT_INTERP = 10, OPT_WINDOW = 11, OPT_METRICS = 12, OPT_JUNIT = 13, &
-      OPT_ERROR = 14, OPT_SCALES = 15, OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18, &
-      OPT_STRICT = 19
+   integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, OPT_REPRODUCIBLE = &
+      4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, OPT_RTOL = 9, OPT_INTERP = &
+      10, OPT_WINDOW = 11, OPT_METRICS = 12, OPT_JUNIT = 13, OPT_ERROR = 14, OPT_SCALES = 15, &
+      OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18, OPT_STRICT = 19, OPT_TO = 20, &
+      OPT_SEPARATOR = 21, OPT_DECIMAL = 22, OPT_TFILE = 23, OPT_CHANNELS = 24
 
    !> One option of one command or more
    type :: option_t
@@ -66,8 +70,8 @@ module kj_option
 
    type(option_t), parameter :: own_options(*) = [ &
       !        id                short name                   value     commands
-      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert study', &
-               'history (study: table) to write; default: as the deck or T01, here'), &
+      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert export study', &
+               'file to write; default: named as the deck or T01, here; export: stdout'), &
       option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check study', &
                'the starter deck, as Radioss users type it'), &
       option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run check', &
@@ -103,7 +107,17 @@ module kj_option
       option_t(OPT_TRACE_CYCLES, '',   '--trace-cycles',      'A:B',    'run', &
                'the cycles of --trace; default 0:9'), &
       option_t(OPT_STRICT,       '',   '--strict',            '',       'diff', &
-               'what is not compared counts as different: on one side alone, not a number')]
+               'what is not compared counts as different: on one side alone, not a number'), &
+      option_t(OPT_TO,           '',   '--to',                'FORMAT', 'export', &
+               'csv, json or t01; default: by the name of FILE, csv on stdout'), &
+      option_t(OPT_SEPARATOR,    '',   '--separator',         'CHAR',   'export', &
+               'between columns of csv: a character or `tab`; default a comma'), &
+      option_t(OPT_DECIMAL,      '',   '--decimal',           'CHAR',   'export', &
+               'before the fraction of numbers in csv: . or ,; default a point'), &
+      option_t(OPT_TFILE,        '',   '--tfile',             'N',      'export', &
+               '/TFILE type of a t01: 1 64-bit, 4 32-bit; default: as precise as RUN.h5'), &
+      option_t(OPT_CHANNELS,     '',   '--channels',          'LIST',   'diff', &
+               'compare these only: group/dataset[entity].component, blanks between them')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)
@@ -117,7 +131,7 @@ module kj_option
    type :: arguments_t
       integer :: command = 0                       !! CMD_ constant
       integer :: n_operand = 0
-      type(word_t) :: operand(2)                   !! the first n_operand are set
+      type(word_t), allocatable :: operand(:)      !! the first n_operand are set
       logical :: given(N_OPTION) = .false.         !! by OPT_ constant, then of a run
       type(word_t) :: value(N_OPTION)              !! of options that take one
    end type arguments_t
@@ -156,6 +170,7 @@ contains
       integer :: i
       logical :: only_operands
 
+      allocate (args%operand(max(2, size(words))))
       if (size(words) == 0) then
          args%command = CMD_HELP
          return

@@ -23,6 +23,7 @@ module kj_diff
    use kj_text, only: append_text, text_t
    use kj_sort, only: lookup_t, new_lookup, find
    use kj_history, only: history_t
+   use kj_series, only: series_t, find_series, component_name, NORM
    use kj_iso18571, only: rate_iso18571, iso18571_t
    implicit none
    private
@@ -96,8 +97,13 @@ contains
 
       call take_notes(walk, result)
       call convert_units(walk%run, walk%ref)
-      call match_channels(walk%ref, walk%run, options, result%profile, result%channel)
-      call list_run_only(walk%ref, walk%run, result%run_only)
+      call match_channels(walk%ref, walk%run, options, result%profile, result%channel, error)
+      if (allocated(error)) return
+      if (allocated(options%channels)) then
+         allocate (result%run_only(0))
+      else
+         call list_run_only(walk%ref, walk%run, result%run_only)
+      end if
       call find_classes(result%channel, result%class)
       result%strict = options%strict
       single = [walk%ref%history%single_precision, walk%run%history%single_precision]
@@ -286,24 +292,34 @@ contains
    !> List every channel of every entity of REF with its place in RUN, 0 where RUN has none
    !>
    !> Profile `solver` and interpolation compare runs of other steps: channels that tell of the
-   !> steps are then listed only.
-   subroutine match_channels(ref, run, options, profile, list)
+   !> steps are then listed only. Of a vector of which some components are wanted each stands alone.
+   !> Errors: ERR_INPUT when a wanted channel is not in REF
+   subroutine match_channels(ref, run, options, profile, list, error)
       type(cursor_t), intent(in) :: ref, run
       type(diff_options_t), intent(in) :: options
       type(profile_t), intent(in) :: profile
       type(channel_result_t), allocatable, intent(out) :: list(:)
+      type(error_t), allocatable, intent(out) :: error
 
       integer, allocatable :: ref_id(:), run_id(:)
       type(lookup_t) :: in_run
-      integer :: run_variable(size(channels)), i, j, k, n, at
+      logical :: wanted(ref%history%n_value)
+      integer :: run_variable(size(channels)), i, j, k, n, at, c
 
+      call mark_wanted(ref%history, options, wanted, error)
+      if (allocated(error)) return
+      wanted = wanted .and. ref%reader%given
       n = 0
       do i = 1, size(ref%history%variable)
-         at = ref%history%variable(i)%first
-         do j = 1, ref%history%variable(i)%n_entity
-            if (ref%reader%given(at)) n = n + 1
-            at = at + ref%history%variable(i)%n_comp
-         end do
+         associate (v => ref%history%variable(i))
+            do at = v%first, v%first + (v%n_entity - 1)*v%n_comp, v%n_comp
+               if (all(wanted(at:at + v%n_comp - 1))) then
+                  n = n + 1
+               else
+                  n = n + count(wanted(at:at + v%n_comp - 1))
+               end if
+            end do
+         end associate
       end do
       allocate (list(n))
       run_variable = 0
@@ -318,22 +334,41 @@ contains
             call new_lookup(run_id, in_run)
             do j = 1, v%n_entity
                at = v%first + (j - 1)*v%n_comp
-               if (.not. ref%reader%given(at)) cycle
-               n = n + 1
-               list(n)%channel = v%channel
-               list(n)%entity = ref_id(j)
-               list(n)%n_comp = v%n_comp
-               list(n)%ref_at = at
-               list(n)%name = name_of(v%channel, ref_id(j))
-               list(n)%counted = .not. (any(OF_STEPS == v%channel) .and. &
-                  (profile%name == 'solver' .or. options%interpolate))
                k = find(in_run, ref_id(j))
-               if (k == 0 .or. run_variable(v%channel) == 0) cycle
-               at = run%history%variable(run_variable(v%channel))%first + (k - 1)*v%n_comp
-               if (run%reader%given(at)) list(n)%run_at = at
+               if (all(wanted(at:at + v%n_comp - 1))) then
+                  call append(v%channel, ref_id(j), k, at, 0, v%n_comp, name_of(v%channel, &
+                     ref_id(j)))
+               else
+                  do c = 1, v%n_comp
+                     if (wanted(at + c - 1)) call append(v%channel, ref_id(j), k, at, c - 1, 1, &
+                        name_of(v%channel, ref_id(j))//'.'//component_name(v%n_comp, c))
+                  end do
+               end if
             end do
          end associate
       end do
+
+   contains
+
+      !> Some components of an entity: n_comp from the one behind `skip`
+      subroutine append(channel, entity, entity_in_run, ref_at, skip, n_comp, name)
+         integer, intent(in) :: channel, entity, entity_in_run, ref_at, skip, n_comp
+         character(len=*), intent(in) :: name
+
+         n = n + 1
+         list(n)%channel = channel
+         list(n)%entity = entity
+         list(n)%n_comp = n_comp
+         list(n)%ref_at = ref_at + skip
+         list(n)%name = name
+         list(n)%counted = .not. (any(OF_STEPS == channel) .and. &
+            (profile%name == 'solver' .or. options%interpolate))
+         if (entity_in_run == 0 .or. run_variable(channel) == 0) return
+         associate (v => run%history%variable(run_variable(channel)))
+            at = v%first + (entity_in_run - 1)*v%n_comp + skip
+         end associate
+         if (run%reader%given(at)) list(n)%run_at = at
+      end subroutine append
    end subroutine match_channels
 
    !> Channels that RUN has and REF has not, also variables that our layout does not know
@@ -382,6 +417,35 @@ contains
          call move_alloc(found(i)%s, list(i)%s)
       end do
    end subroutine list_run_only
+
+   !> The values of a row of REF that are to be compared; the time always
+   !>
+   !> Errors: ERR_INPUT for a name that means nothing, or the norm of a vector.
+   subroutine mark_wanted(history, options, wanted, error)
+      type(history_t), intent(in) :: history
+      type(diff_options_t), intent(in) :: options
+      logical, intent(out) :: wanted(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      type(series_t), allocatable :: series(:)
+      integer :: i
+
+      wanted = .not. allocated(options%channels)
+      if (.not. allocated(options%channels)) return
+      call find_series(history, options%channels, series, error)
+      if (allocated(error)) return
+      wanted(1) = .true.
+      do i = 1, size(series)
+         if (series(i)%comp == NORM) then
+            call fail(error, ERR_INPUT, 'norms are not compared, but the vectors themselves: '// &
+               series(i)%name)
+            return
+         end if
+         associate (v => history%variable(series(i)%variable))
+            wanted(v%first + (series(i)%entity - 1)*v%n_comp + series(i)%comp - 1) = .true.
+         end associate
+      end do
+   end subroutine mark_wanted
 
    !> User ids of the entities of an owner; 0 for the run itself
    subroutine entity_ids(history, owner, id)

@@ -38,11 +38,12 @@ module kj_diff_types
       logical :: has_window = .false.
       real(wp) :: window(2) = 0.0_wp            !! first and last time compared
       logical :: metrics(size(metrics)) = .false.
+      character(len=:), allocatable :: channels !! names as kj_series has them; not allocated: all
    end type diff_options_t
 
    !> One channel of one entity
    type :: channel_result_t
-      character(len=:), allocatable :: name     !! "joint/force[5]", "kinetic_energy_trans"
+      character(len=:), allocatable :: name     !! "joint/force[5]", "joint/force[5].x", "mass"
       integer :: channel = 0                    !! row of kj_channels
       integer :: class = 0                      !! place in diff_result_t%class
       integer :: entity = 0                     !! user id, 0 for the run

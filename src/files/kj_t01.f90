@@ -19,7 +19,7 @@ module kj_t01
    implicit none
    private
 
-   public :: t01_reader_t, open_t01, read_t01_rows, close_t01
+   public :: t01_reader_t, open_t01, read_t01_rows, close_t01, t01_name
 
    !> An open file; components are for reading only
    type :: t01_reader_t
