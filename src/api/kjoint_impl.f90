@@ -128,6 +128,12 @@ contains
          end associate
          h%entity(OF_NODE)%id = m%node_id(m%th_node)
          h%entity(OF_NODE)%label = m%th_node_name
+         if (any(m%th_node_skew > 0)) then
+            allocate (h%entity(OF_NODE)%skew(size(m%th_node)), source=0)
+            do i = 1, size(m%th_node)
+               if (m%th_node_skew(i) > 0) h%entity(OF_NODE)%skew(i) = m%skews%id(m%th_node_skew(i))
+            end do
+         end if
       end associate
       call describe_shape(sim%model%model_t, sim%history%shape)
       call new_sampler(sim%model%model_t, sim%history, sim%sampler)

@@ -21,7 +21,7 @@ module kj_diff
       compare_rows
    use kj_diff_report, only: diff_text, diff_json, diff_junit
    use kj_text, only: append_text, text_t
-   use kj_sort, only: lookup_t, new_lookup, find
+   use kj_sort, only: lookup_t, new_lookup, lower_bound
    use kj_history, only: history_t
    use kj_series, only: series_t, find_series, component_name, NORM
    use kj_iso18571, only: rate_iso18571, iso18571_t
@@ -334,7 +334,7 @@ contains
             call new_lookup(run_id, in_run)
             do j = 1, v%n_entity
                at = v%first + (j - 1)*v%n_comp
-               k = find(in_run, ref_id(j))
+               k = partner(ref_id, j, in_run)
                if (all(wanted(at:at + v%n_comp - 1))) then
                   call append(v%channel, ref_id(j), k, at, 0, v%n_comp, name_of(v%channel, &
                      ref_id(j)))
@@ -394,7 +394,7 @@ contains
             call new_lookup(ref_id, in_ref)
             do j = 1, v%n_entity
                if (.not. run%reader%given(v%first + (j - 1)*v%n_comp)) cycle
-               k = find(in_ref, run_id(j))
+               k = partner(run_id, j, in_ref)
                if (k > 0 .and. ref_variable(v%channel) > 0) then
                   associate (w => ref%history%variable(ref_variable(v%channel)))
                      at = w%first + (k - 1)*w%n_comp
@@ -446,6 +446,28 @@ contains
          end associate
       end do
    end subroutine mark_wanted
+
+   !> Place on the other side of entity j: of those with one id the n-th belong together; 0 = none
+   pure integer function partner(id, j, other) result(k)
+      integer, intent(in) :: id(:), j           !! ids ascend
+      type(lookup_t), intent(in) :: other
+
+      integer :: n
+
+      n = 0
+      do while (j - n > 1)
+         if (id(j - n - 1) /= id(j)) exit
+         n = n + 1
+      end do
+      k = lower_bound(other%id, id(j)) + n
+      if (k <= size(other%id)) then
+         if (other%id(k) == id(j)) then
+            k = other%place(k)
+            return
+         end if
+      end if
+      k = 0
+   end function partner
 
    !> User ids of the entities of an owner; 0 for the run itself
    subroutine entity_ids(history, owner, id)

@@ -149,6 +149,8 @@ contains
             if (allocated(entity%body)) call write_ids(scope, 'body'//str(e), entity%body(e, :), &
                'user id of the rigid body of node '//str(e)//', 0 = none', error)
          end do
+         if (allocated(entity%skew)) call write_ids(scope, 'skew', entity%skew, &
+            'user id of the skew whose axes the components have, 0 = global', error)
          if (allocated(entity%main_node)) &
             call write_ids(scope, 'main_node', entity%main_node, 'user id of the main node', error)
          if (allocated(entity%mass)) call write_constant(scope, 'mass', [n], entity%mass, &

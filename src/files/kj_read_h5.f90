@@ -271,6 +271,7 @@ contains
             call read_ids(group, 'property', n, e%property, error)
             call read_pairs(group, 'node', n, e%node, error)
             call read_pairs(group, 'body', n, e%body, error)
+            call read_ids(group, 'skew', n, e%skew, error)
             call read_ids(group, 'main_node', n, e%main_node, error)
             call read_reals(group, 'mass', n, e%mass, error)
             call read_reals(group, 'inertia_principal', 3*n, values, error)

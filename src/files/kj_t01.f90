@@ -15,7 +15,7 @@ module kj_t01
    use kj_t01_content, only: t01_header_t, read_t01_header, t01_rows_t, find_t01_rows, &
       read_t01_block, t01_group_t
    use kj_units, only: unit_system_t, NO_UNITS
-   use kj_sort, only: lookup_t, new_lookup, find, sort_unique
+   use kj_t01_repeats, only: number_objects
    implicit none
    private
 
@@ -130,7 +130,8 @@ contains
    !>
    !> A vector channel exists when all its components are there for one entity at least; where
    !> they are not, its series is NaN, `given` is false and the lone components are in `unknown`.
-   !> Entities ascend by user id, an id in several requests stands once.
+   !> Entities ascend by user id; an id in several requests stands once, but a node whose values
+   !> differ between two, which are then in different axes, as often as it has values.
    !> Errors: ERR_FILE when it cannot be opened, is no time history or is damaged.
    subroutine open_t01(path, reader, history, n_row, error)
       character(len=*), intent(in) :: path
@@ -210,12 +211,12 @@ contains
 
       ! place before the first value of each group in a row of the file
       call place_groups(header, reader%rows, first)
-      call map_entities(OF_JOINT, header%group, first, history, reader%source, unused, &
-         reader%unknown)
-      call map_entities(OF_BODY, header%group, first, history, reader%source, mass_place, &
-         reader%unknown)
-      call map_entities(OF_NODE, header%group, first, history, reader%source, unused, &
-         reader%unknown)
+      call map_entities(OF_JOINT, header%group, first, reader, history, unused, error)
+      if (allocated(error)) return
+      call map_entities(OF_BODY, header%group, first, reader, history, mass_place, error)
+      if (allocated(error)) return
+      call map_entities(OF_NODE, header%group, first, reader, history, unused, error)
+      if (allocated(error)) return
       do i = 1, size(header%group)
          if (any(groups(2:)%t01_type == header%group(i)%type)) cycle
          do n = 1, size(header%group(i)%code)
@@ -382,20 +383,24 @@ contains
    end subroutine map_globals
 
    !> All entities of one kind, from all groups of this kind
-   subroutine map_entities(owner, all_groups, before, history, source, mass_place, unknown)
+   subroutine map_entities(owner, all_groups, before, reader, history, mass_place, error)
       integer, intent(in) :: owner                     !! OF_ constant
       type(t01_group_t), intent(in) :: all_groups(:)
       integer, intent(in) :: before(:)                 !! values of a row before those of a group
+      type(t01_reader_t), intent(inout) :: reader      !! gets sources and unknown variables
       type(history_t), intent(inout) :: history
-      integer, allocatable, intent(inout) :: source(:)   !! as in t01_reader_t
       integer, allocatable, intent(out) :: mass_place(:)        !! place of the mass, 0 = none
-      type(text_t), allocatable, intent(inout) :: unknown(:)
+      type(error_t), allocatable, intent(out) :: error
 
-      integer, allocatable :: id(:)
+      integer, allocatable :: id(:), entity(:)
       integer, allocatable :: place(:, :)     !! (components of all channels, entities)
       integer :: slot(size(channels)), row, n
 
-      call collect_entities(groups(owner)%t01_type, all_groups, id, history%entity(owner)%label)
+      call number_objects(reader%file, reader%rows, all_groups, before, groups(owner)%t01_type, &
+         owner == OF_NODE, entity, id, error)
+      if (allocated(error)) return
+      call collect_names(groups(owner)%t01_type, all_groups, entity, size(id), &
+         history%entity(owner)%label)
       history%entity(owner)%id = id
       n = 0
       do row = 1, size(channels)
@@ -403,75 +408,68 @@ contains
          if (channels(row)%owner == owner .and. channels(row)%t01 > 0) n = n + channels(row)%n_comp
       end do
       allocate (place(n, size(id)), mass_place(size(id)), source=0)
-      call place_values(owner, all_groups, before, id, slot, place, mass_place, unknown)
+      call place_values(owner, all_groups, before, entity, slot, place, mass_place, reader%unknown)
       do row = 1, size(channels)
          if (channels(row)%owner /= owner .or. channels(row)%t01 == 0) cycle
          n = channels(row)%n_comp
-         call add_channel(owner, row, place(slot(row) + 1:slot(row) + n, :), history, source, &
-            unknown)
+         call add_channel(owner, row, place(slot(row) + 1:slot(row) + n, :), history, &
+            reader%source, reader%unknown)
       end do
    end subroutine map_entities
 
-   !> Ids of one kind, ascending, each once; the first name that is not blank
-   subroutine collect_entities(type, all_groups, id, label)
-      integer, intent(in) :: type
+   !> The first name of each entity that is not blank
+   subroutine collect_names(type, all_groups, entity, n_entity, label)
+      integer, intent(in) :: type, entity(:), n_entity
       type(t01_group_t), intent(in) :: all_groups(:)
-      integer, allocatable, intent(out) :: id(:)
       type(text_t), allocatable, intent(out) :: label(:)
 
-      type(lookup_t) :: known
-      integer :: i, j, k
+      integer :: i, j, k, object
 
-      allocate (id(0))
-      do i = 1, size(all_groups)
-         if (all_groups(i)%type == type) id = [id, all_groups(i)%object]
-      end do
-      id = sort_unique(id)
-      call new_lookup(id, known)
-      allocate (label(size(id)))
-      do i = 1, size(id)
+      allocate (label(n_entity))
+      do i = 1, n_entity
          label(i)%s = ''
       end do
+      object = 0
       do i = 1, size(all_groups)
          if (all_groups(i)%type /= type) cycle
          do j = 1, size(all_groups(i)%object)
-            k = find(known, all_groups(i)%object(j))
+            object = object + 1
+            k = entity(object)
             if (len(label(k)%s) == 0) label(k)%s = all_groups(i)%name(j)%s
          end do
       end do
-   end subroutine collect_entities
+   end subroutine collect_names
 
    !> Place in a row of the file of every component we have a channel for; the first group wins
-   subroutine place_values(owner, all_groups, before, id, slot, place, mass_place, unknown)
-      integer, intent(in) :: owner, before(:), id(:), slot(:)
+   subroutine place_values(owner, all_groups, before, entity, slot, place, mass_place, unknown)
+      integer, intent(in) :: owner, before(:), entity(:)
+      integer, intent(in) :: slot(:)
       type(t01_group_t), intent(in) :: all_groups(:)
       integer, intent(inout) :: place(:, :), mass_place(:)
       type(text_t), allocatable, intent(inout) :: unknown(:)
 
-      type(lookup_t) :: known
-      integer :: i, j, k, n, row, comp, entity, at
+      integer :: i, j, k, n, row, comp, at, first
 
-      call new_lookup(id, known)
+      first = 0
       do i = 1, size(all_groups)
          if (all_groups(i)%type /= groups(owner)%t01_type) cycle
          n = size(all_groups(i)%code)
-         do k = 1, n
-            call find_t01(owner, all_groups(i)%code(k), row, comp)
-            if (owner == OF_BODY .and. all_groups(i)%code(k) == BODY_MASS) then
-               do j = 1, size(all_groups(i)%object)
-                  entity = find(known, all_groups(i)%object(j))
-                  mass_place(entity) = before(i) + (j - 1)*n + k
-               end do
-            else if (row == 0) then
-               call add_unknown(all_groups(i)%type, all_groups(i)%code(k), '', unknown)
-            else
-               do j = 1, size(all_groups(i)%object)
-                  entity = find(known, all_groups(i)%object(j))
+         associate (mine => entity(first + 1:first + size(all_groups(i)%object)))
+            do k = 1, n
+               call find_t01(owner, all_groups(i)%code(k), row, comp)
+               if (owner == OF_BODY .and. all_groups(i)%code(k) == BODY_MASS) then
+                  mass_place(mine) = [(before(i) + (j - 1)*n + k, j=1, size(mine))]
+               else if (row == 0) then
+                  call add_unknown(all_groups(i)%type, all_groups(i)%code(k), '', unknown)
+               else
                   at = slot(row) + comp
-                  if (place(at, entity) == 0) place(at, entity) = before(i) + (j - 1)*n + k
-               end do
-            end if
-         end do
+                  do j = 1, size(mine)
+                     if (place(at, mine(j)) == 0) place(at, mine(j)) = before(i) + (j - 1)*n + k
+                  end do
+               end if
+            end do
+         end associate
+         first = first + size(all_groups(i)%object)
       end do
    end subroutine place_values
 

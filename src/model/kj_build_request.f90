@@ -72,7 +72,7 @@ contains
       list = pack(lookup%place, wanted)
    end subroutine collect
 
-   !> Nodes, each once, with the skew and the name of its first request
+   !> Nodes, each once for each set of axes it is asked for in, with the name of its first request
    subroutine collect_nodes(draft, model)
       type(draft_t), intent(inout) :: draft
       type(model_t), intent(inout) :: model
@@ -100,7 +100,9 @@ contains
                'node '// str(th(b)%object%value(k))//' is not defined', 'no such node')
             i = skew_of(draft, th(b), k)
             if (raw == 0) cycle
-            if (taken(draft%new(raw))) cycle
+            if (taken(draft%new(raw))) then
+               if (any(model%th_node(:n) == draft%new(raw) .and. skew(:n) == i)) cycle
+            end if
             taken(draft%new(raw)) = .true.
             n = n + 1
             model%th_node(n) = draft%new(raw)

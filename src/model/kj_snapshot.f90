@@ -142,7 +142,7 @@ contains
       real(wp), dimension(3), intent(in) :: x, d, v, w, a, al
       type(snapshot_t), intent(inout) :: now
 
-      now%node_x(:, k) = x
+      now%node_x(:, k) = in_skew(x)
       now%node_d(:, k) = in_skew(d)
       now%node_v(:, k) = in_skew(v)
       now%node_w(:, k) = in_skew(w)
