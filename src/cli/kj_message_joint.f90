@@ -129,6 +129,20 @@ module kj_message_joint
       'Steps change at every stop, which shakes blocked directions that ring. Where some Cr '// &
       'is below 0.01 steps are half of the critical one at most.', &
       'Leave --dt-scale out, or give a larger Cr.'), &
+   message_t('KJ-9073', SEV_WARNING, 'both ends of a joint on one rigid body', &
+      'A body is rigid in itself: such a joint does nothing, and what it was to hold is loose.', &
+      'Use a node of the other body; a wrong pick in a preprocessor is the usual cause.'), &
+   message_t('KJ-9074', SEV_WARNING, 'a joint ends on a node without inertia', &
+      'The rotation of such a node is that of nothing: moments and blocked rotations of the '// &
+      'joint have no effect.', 'Make the node a secondary node of a rigid body.'), &
+   message_t('KJ-9075', SEV_WARNING, 'the nodes of a joint stand apart across its axis', &
+      'The joint then turns about a point between the nodes, or about one of them, and pushes '// &
+      'with a lever. Farther apart than a thousandth of the arm is worth a warning.', &
+      'Give both nodes one place; along the axis they may stand apart.'), &
+   message_t('KJ-9076', SEV_WARNING, 'a stop of more than a turn', &
+      'Stops of rotations are angles in rad. Beyond a turn (for joints with two or three '// &
+      'rotations: half a turn) they can hardly be meant so.', &
+      'Degrees times 0.0174533 are rad.'), &
    message_t('KJ-9118', SEV_ERROR, 'the blocking stiffness is negative', 'Kn holds the blocked directions and must be positive.', &
       'Correct the sign.'), &
    message_t('KJ-9119', SEV_WARNING, 'a joint without a second skew', &

@@ -14,6 +14,7 @@ module kj_build_joint
    use kj_build_property, only: read_property
    use kj_attach_joint, only: match_skews, frame_of_skews, frame_of_nodes, angles_of_skews
    use kj_attach_spring, only: attach_spring, weigh_springs
+   use kj_check_scene, only: warn_of_ends
    use kj_lead_map, only: build_lead_map
    implicit none
    private
@@ -49,6 +50,7 @@ contains
       model%joint = model%joint(:model%n_element)
       if (draft%deck%findings%n_error > 0) return
       call weigh_springs(model, model%n_joint, joint)
+      call warn_of_ends(draft, model, draft%properties, joint)
       call fill_batches(draft%properties, joint, model)
    end subroutine build_joints
 

@@ -9,11 +9,12 @@ module kj_build_load
       D_ACCELERATION, D_ANGULAR_ACCELERATION, D_NUMBER, D_TIME
    use kj_keywords, only: KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, KW_IMPDISP, KW_IMPACC, &
       KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS
-   use kj_deck_text, only: deck_t, block_factors
+   use kj_deck_text, only: deck_t, block_factors, lengthen
    use kj_cards, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
    use kj_draft, only: draft_t, blocks_of, reference, group_nodes
    use kj_model, only: model_t, bcs_t, load_t, motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT, &
       IMPOSE_ACCELERATION, BY_DISPLACEMENT, BY_VELOCITY
+   use kj_check_scene, only: warn_of_conflict
    use kj_math3, only: cross
    implicit none
    private
@@ -229,11 +230,13 @@ contains
 
       type(motion_t), allocatable :: all_motions(:), longer(:)
       type(motion_t) :: motion
-      integer, allocatable :: nodes(:)
+      integer, allocatable :: nodes(:), before(:), chain(:)
+      integer :: last_of(model%n_lead)           ! last motion of a lead
       type(cards_t) :: cards
       integer :: i, k, n, kind
 
-      allocate (all_motions(16))
+      allocate (all_motions(16), before(16))     ! before: the motion of the same lead before it
+      last_of = 0
       n = 0
       do i = 1, draft%deck%n_block
          select case (draft%deck%block(i)%keyword)
@@ -258,13 +261,34 @@ contains
                allocate (longer(2*n))
                longer(:n) = all_motions
                call move_alloc(longer, all_motions)
+               call lengthen(before)
             end if
             n = n + 1
             all_motions(n) = motion
+            before(n) = last_of(motion%lead)
+            last_of(motion%lead) = n
+            chain = chain_of(n, before)
+            call warn_of_conflict(draft, model, cards, draft%id(nodes(k)), motion, &
+               all_motions(chain))
          end do
       end do
       model%motion = all_motions(:n)
    end subroutine build_motions
+
+   !> The motions of the same lead before the n-th
+   pure function chain_of(n, before) result(list)
+      integer, intent(in) :: n, before(:)
+      integer, allocatable :: list(:)
+
+      integer :: i
+
+      allocate (list(0))
+      i = before(n)
+      do while (i > 0)
+         list = [list, i]
+         i = before(i)
+      end do
+   end function chain_of
 
    subroutine read_motion(draft, block, cards, kind, motion)
       integer, intent(in) :: block, kind

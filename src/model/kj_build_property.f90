@@ -194,6 +194,8 @@ contains
          'the lower stop is positive', 'expected: a negative value, or 0 for none')
       if (p%hi(dof) < 0.0_wp) call report(draft%deck, cards, 'SA+_'//d, SEV_ERROR, 'KJ-0944', &
          'the upper stop is negative', 'expected: a positive value, or 0 for none')
+      call warn_of_degrees(draft%deck, cards, 'SA-_'//d, p, dof)
+      call warn_of_degrees(draft%deck, cards, 'SA+_'//d, p, dof)
       p%k_limit(dof) = real_of(cards, 'Kfr_'//d)
       p%slip(dof) = real_of(cards, 'FM_'//d)
       p%slip_curve(dof) = reference(draft%deck, cards, 'f_FM_'//d, draft%curve, 'function', &
@@ -208,6 +210,29 @@ contains
          p%slip_curve(dof))) call report(draft%deck, cards, 'Kfr_'//d, SEV_WARNING, 'KJ-0979', &
          'a limit of friction without a stiffness: there is no friction', 'expected: a stiffness')
    end subroutine read_limits
+
+   !> A stop of a rotation beyond what an angle can be, as one typed in degrees is: a turn for one
+   !> axis, half a turn where there are several
+   subroutine warn_of_degrees(deck, cards, name, p, dof)
+      type(deck_t), intent(inout) :: deck
+      type(cards_t), intent(in) :: cards
+      character(len=*), intent(in) :: name
+      type(property_t), intent(in) :: p
+      integer, intent(in) :: dof
+
+      real(wp), parameter :: TURN = 8.0_wp*atan(1.0_wp), NONE = 1.0e4_wp   ! beyond: no stop meant
+      character(len=24) :: angle, turns
+      real(wp) :: most
+
+      if (dof <= 3) return
+      most = merge(TURN, 0.5_wp*TURN, sum(joint_types(p%row)%free(4:)) == 1)
+      if (.not. abs(real_of(cards, name)) > most .or. abs(real_of(cards, name)) > NONE) return
+      write (angle, '(f24.1)') real_of(cards, name)
+      write (turns, '(f24.1)') abs(real_of(cards, name))/TURN
+      call report(deck, cards, name, SEV_WARNING, 'KJ-9076', 'a stop of '// &
+         trim(adjustl(angle))//' rad is '//trim(adjustl(turns))//' turns: is it in degrees?', &
+         'expected: an angle in rad', 'degrees times 0.0174533 are rad')
+   end subroutine warn_of_degrees
 
    subroutine refuse_negative(deck, cards, name, what)
       type(deck_t), intent(inout) :: deck
