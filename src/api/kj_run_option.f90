@@ -15,13 +15,15 @@ module kj_run_option
    !> What a run may be told, as run_options says. These values leave it to the deck and the
    !> formulation.
    type :: run_options_t
-      character(len=12) :: formulation = '', integrator = '', dt_rule = ''
+      character(len=12) :: formulation = '', integrator = '', dt_rule = '', &
+         kn = ''
       real(wp) :: until = -1.0_wp, sample = -1.0_wp
       real(wp) :: dt_scale = 0.0_wp, dt_max_scale = 1.0_wp, kn_scale = 1.0_wp
       real(wp) :: energy_limit = -1.0_wp
+      real(wp) :: error = 0.0_wp, turn = 0.0_wp
       logical :: ignore_unsupported = .false.
       integer :: threads = 1, least_share = 500
-      logical :: islands = .false.
+      logical :: islands = .false., fast = .false.
    end type run_options_t
 
    !> Kinds of values; a flag is 1 or 0 in a text
@@ -37,7 +39,7 @@ module kj_run_option
       character(len=4)  :: value       !! what stands for its value in the help; a flag takes none
       character(len=15) :: commands    !! that take it
       character(len=32) :: default     !! the value where one always holds, or where it comes from
-      character(len=31) :: words       !! all that it may be
+      character(len=43) :: words       !! all that it may be
       character(len=66) :: meaning
    end type run_option_t
 
@@ -48,7 +50,7 @@ module kj_run_option
       run_option_t('formulation',        A_WORD,     0.0_wp,     'NAME', 'run check',       'consistent', &
                    'consistent or legacy', 'of the joints'), &
       run_option_t('integrator',         A_WORD,     0.0_wp,     'NAME', 'run',             'split2; legacy: legacy', &
-                   'split2, liemid, rkmk4 or legacy', 'of the bodies'), &
+                   'split2, liemid, rkmk4, compliant or legacy', 'of the bodies'), &
       run_option_t('dt_rule',            A_WORD,     0.0_wp,     'NAME', 'run',             'safe; legacy: nodal', &
                    'safe or nodal', 'of the critical time step'), &
       run_option_t('dt_scale',           A_REAL,     ABOVE_ZERO, 'S',    'run check',       'that of /DT, or 0.9', &
@@ -63,6 +65,14 @@ module kj_run_option
                    '', 'largest energy error in percent, else a run ends with an error'), &
       run_option_t('kn_scale',           A_REAL,     ABOVE_ZERO, 'F',    'run',             '1', &
                    '', 'factor on the stiffness of the blocked directions of all joints'), &
+      run_option_t('kn',                 A_WORD,     0.0_wp,     'KN',   'run',             'deck', &
+                   'deck or inf', 'of the blocked directions; inf goes with compliant'), &
+      run_option_t('error',              A_REAL,     ABOVE_ZERO, 'TOL',  'run',             'that is 1e-3', &
+                   '', 'of compliant, over the size of the scene, at the end of the run'), &
+      run_option_t('turn',               A_REAL,     ABOVE_ZERO, 'RAD',  'run',             'that is 0.1', &
+                   '', 'of compliant, largest turn of a body in a step'), &
+      run_option_t('fast',               A_FLAG,     0.0_wp,     '',     'run',             '', &
+                   '', 'the integrator compliant'), &
       run_option_t('ignore_unsupported', A_FLAG,     0.0_wp,     '',     'run check study', '', &
                    '', 'warn about keywords out of scope instead of stopping'), &
       run_option_t('threads',            AN_INTEGER, 1.0_wp,     'N',    'run study',       '1; command line: OMP_NUM_THREADS', &
@@ -166,6 +176,10 @@ contains
       case ('kn_scale'); call real_number(options%kn_scale)
       case ('energy_limit'); call real_number(options%energy_limit)
       case ('ignore_unsupported'); call flag(options%ignore_unsupported)
+      case ('kn'); call word(options%kn)
+      case ('error'); call real_number(options%error)
+      case ('turn'); call real_number(options%turn)
+      case ('fast'); call flag(options%fast)
       case ('threads'); call whole_number(options%threads)
       case ('least_share'); call whole_number(options%least_share)
       case ('islands'); call flag(options%islands)
@@ -302,12 +316,23 @@ contains
       associate (o => options)
          if (o%formulation == '') o%formulation = 'consistent'
          legacy = o%formulation == 'legacy'
+         if (o%fast .and. o%integrator == '') o%integrator = 'compliant'
+         if (o%kn == '') o%kn = 'deck'
          if (o%integrator == '') o%integrator = merge('legacy', 'split2', legacy)
          if (o%dt_rule == '') o%dt_rule = merge('nodal', 'safe ', legacy)
          if (o%energy_limit < 0.0_wp .and. .not. legacy) o%energy_limit = 15.0_wp
          if (legacy .neqv. o%integrator == 'legacy') then
             call fail(error, ERR_INPUT, 'the formulation '//trim(o%formulation)// &
                ' does not go with the integrator '//trim(o%integrator))
+         else if (o%fast .and. o%integrator /= 'compliant') then
+            call fail(error, ERR_INPUT, 'fast does not go with the integrator '// &
+               trim(o%integrator))
+         else if (o%integrator /= 'compliant' .and. (o%kn /= 'deck' .or. o%error > 0.0_wp .or. &
+            o%turn > 0.0_wp)) then
+            call fail(error, ERR_INPUT, &
+               'kn=inf, error and turn go with the integrator compliant only')
+         else if (o%integrator == 'compliant' .and. o%dt_rule /= 'safe') then
+            call fail(error, ERR_INPUT, 'the integrator compliant goes with the safe rule only')
          else if (legacy .and. o%dt_rule /= 'nodal') then
             call fail(error, ERR_INPUT, 'the legacy formulation goes with the nodal rule only')
          else if (legacy .and. o%islands) then

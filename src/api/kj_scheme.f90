@@ -18,7 +18,9 @@ module kj_scheme
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_step, only: place_node
-   use kj_consistent_march, only: march_t, start_march, march, check_state, SPLIT2, LIEMID, RKMK4
+   use kj_consistent_march, only: march_t, start_march, march, check_state, SPLIT2, LIEMID, RKMK4, &
+      COMPLIANT
+   use kj_consistent_compliant_build, only: make_implicit
    use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
    use kj_consistent_snapshot, only: show_consistent, show_consistent_clock
    use kj_consistent_inside, only: look_inside_consistent
@@ -73,6 +75,10 @@ contains
       self%legacy = options%formulation == 'legacy'
       if (options%integrator == 'liemid') self%integrator = LIEMID
       if (options%integrator == 'rkmk4') self%integrator = RKMK4
+      if (options%integrator == 'compliant') self%integrator = COMPLIANT
+      self%march%pace%rigid = options%kn == 'inf'
+      if (options%error > 0.0_wp) self%march%pace%tolerance = options%error
+      if (options%turn > 0.0_wp) self%march%pace%turn = options%turn
       self%nodal = options%dt_rule == 'nodal'
       self%islands = options%islands
    end subroutine choose_scheme
@@ -175,6 +181,7 @@ contains
 
       call start_scene(model, self%integrator == RKMK4, self%state, error)
       if (allocated(error)) return
+      if (self%integrator == COMPLIANT) call make_implicit(model)
       self%march%integrator = self%integrator
       self%march%nodal = self%nodal
       self%march%factor = step_factor(model)

@@ -278,7 +278,7 @@ contains
          call fail(error, ERR_INPUT, name//' needs a value: '//name//' '//trim(o%value))
    end subroutine take_option
 
-   !> An option that a command takes
+   !> An option that a command takes; two commands may have options of the same name
    subroutine find_option(name, command, o, error)
       character(len=*), intent(in) :: name
       integer, intent(in) :: command
@@ -292,11 +292,15 @@ contains
       do i = 1, N_OPTION
          o = all(i)
          if (o%name /= name .and. o%short /= name) cycle
-         if (has_option(command, o)) return
+         if (has_option(command, o)) then
+            if (allocated(error)) deallocate (error)
+            return
+         end if
+         if (allocated(error)) cycle
          call fail(error, ERR_INPUT, '`'//trim(commands(command)%name)//'` has no option '//name)
          error%hint = 'it is an option of: '//trim(o%commands)
-         return
       end do
+      if (allocated(error)) return
       call fail(error, ERR_INPUT, 'unknown option '//name)
       error%hint = did_you_mean(name, pack(all%name, &
          [(has_option(command, all(i)), i=1, N_OPTION)]))

@@ -4,7 +4,7 @@
 !> One file: conditions are gathered, projected and counted by the same rows.
 module kj_consistent_conditions
    use kj_kinds, only: wp
-   use kj_math3, only: rotation, to_quaternion, quaternion_product, cross
+   use kj_math3, only: rotation, to_quaternion, quaternion_product, cross, IDENTITY
    use kj_lapack, only: solve_dense
    use kj_curve, only: curve_set_t, load_value, curve_integral, curve_moment
    use kj_model, only: motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
@@ -16,7 +16,7 @@ module kj_consistent_conditions
    private
 
    public :: project, project_all, count_work, keep_rates, project_rates, hold_rotations, &
-      body_matrix, motion_targets, held_force, collect_holds, all_blocked
+      body_matrix, motion_targets, held_force, collect_holds, all_blocked, free_directions
 
    !> Part of a step that a projection ends
    integer, parameter, public :: FIRST_HALF = 1, SECOND_HALF = 2, WHOLE = 3
@@ -302,6 +302,39 @@ contains
          drives(n) = m > 0
       end do
    end subroutine rows_of
+
+   !> Projectors on the directions in which a lead moves freely, translations and rotations
+   subroutine free_directions(model, state, lead, active, p)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: lead
+      logical, intent(in) :: active(:)               !! (n_motion)
+      real(wp), intent(out) :: p(3, 3, 2)
+
+      real(wp) :: b(3, 3), u(3), none(size(active)), a(3)
+      logical :: drives(3)
+      integer :: part, k, n
+
+      none = 0.0_wp
+      do part = 1, 2
+         p(:, :, part) = IDENTITY
+         if (part == 1 .and. .not. model%inverse_mass(lead) > 0.0_wp) p(:, :, part) = 0.0_wp
+         if (part == 2 .and. .not. maxval(model%inverse_inertia(lead, :)) > 0.0_wp) &
+            p(:, :, part) = 0.0_wp
+         if (model%hold_of(lead) == 0) cycle
+         associate (hold => model%hold(model%hold_of(lead)))
+            if (part == 1) call rows_of(state, hold%trans(:hold%n_trans), none, active, b, u, &
+               drives, n)
+            if (part == 2) call rows_of(state, hold%rot(:hold%n_rot), none, active, b, u, drives, n)
+         end associate
+         do k = 1, n
+            a = matmul(p(:, :, part), b(k, :))
+            if (norm2(a) < 1.0e-6_wp) cycle          ! of axes before
+            a = a/norm2(a)
+            p(:, :, part) = p(:, :, part) - spread(a, 2, 3)*spread(a, 1, 3)
+         end do
+      end do
+   end subroutine free_directions
 
    !> Columns: principal axes of a lead, W
    pure function body_matrix(state, lead) result(p)

@@ -14,7 +14,7 @@ module kj_consistent_dampers
    implicit none
    private
 
-   public :: add_dampers, count_damping
+   public :: add_dampers, count_damping, damper
 
 contains
 

@@ -15,7 +15,10 @@ module kj_consistent_islands
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_build, only: build_consistent_model, new_consistent_state
    use kj_consistent_impact_step, only: step_factor
-   use kj_consistent_march, only: march_t, start_march, march, balance_ledger, close_ledger
+   use kj_consistent_march, only: march_t, start_march, march, balance_ledger, close_ledger, &
+      COMPLIANT
+   use kj_consistent_compliant_build, only: make_implicit
+   use kj_consistent_compliant_show, only: begin_show, end_show
    use kj_block, only: block_of, lane_of
    use kj_consistent_batch, only: consistent_joint_t, rows_of
    implicit none
@@ -153,7 +156,11 @@ contains
             end associate
          end associate
       end do
+      if (whole%integrator == COMPLIANT) call make_implicit(part%model)
       call new_consistent_state(part%model, part%state)
+      part%march%pace%rigid = whole%pace%rigid
+      part%march%pace%tolerance = whole%pace%tolerance
+      part%march%pace%turn = whole%pace%turn
       part%march%integrator = whole%integrator
       part%march%nodal = whole%nodal
       part%march%factor = step_factor(part%model)
@@ -227,8 +234,10 @@ contains
       state%energy = 0.0_wp
       do p = 1, size(part)
          call balance_ledger(part(p)%model, part(p)%state)
+         call begin_show(part(p)%model, part(p)%march%pace%h, part(p)%state)
          call gather_leads(part(p)%cut, part(p)%state, state)
          call gather_joints(part(p)%cut, part(p)%model, model, part(p)%state, state)
+         call end_show(part(p)%state)
          state%work = state%work + part(p)%state%work
          state%energy = state%energy + part(p)%state%energy
       end do

@@ -19,12 +19,14 @@ module kj_consistent_march
    use kj_consistent_load, only: field_at
    use kj_consistent_step, only: split_step
    use kj_consistent_rkmk, only: rkmk_step
+   use kj_consistent_compliant_march, only: pace_t, start_pace, march_compliant
    implicit none
    private
 
    public :: march_t, start_march, march, change_limits, balance_ledger, close_ledger, check_state
 
-   integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3   !! integrators
+   integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3, &
+      COMPLIANT = 4                               !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
 
    ! Joints that start with a jump ring, and near the limit ten times as far as they should, at the
@@ -45,6 +47,7 @@ module kj_consistent_march
       integer :: joint = 0                       !! who holds it, index among all joints
       type(bound_t) :: bound
       type(contact_t) :: contact                 !! stops that are met
+      type(pace_t) :: pace                       !! of the integrator compliant
       ! steps to the time that is marched to; none left: to be found
       real(wp) :: t_end = 0.0_wp
       real(wp) :: h = 0.0_wp
@@ -63,6 +66,15 @@ contains
       state%by_steps = self%integrator /= RKMK4
       self%left = 0
       self%start_end = state%time
+      if (self%integrator == COMPLIANT) then
+         self%pace%most = self%most
+         self%pace%first = self%first
+         self%pace%factor = min(self%factor, self%pace%factor)
+         call start_pace(model, state, self%pace)
+         self%limit = min(self%pace%limit, self%most)
+         self%joint = self%pace%owner
+         return
+      end if
       call new_bound(model, .not. state%by_steps, state, self%bound)
       call take_limit(model, state, self)
       if (self%limit >= self%most .or. self%integrator == RKMK4) return
@@ -117,6 +129,12 @@ contains
 
       arrived = .not. t_end > state%time
       if (arrived) return
+      if (self%integrator == COMPLIANT) then
+         call march_compliant(model, t_end, steps, self%pace, state, arrived)
+         self%limit = self%pace%limit
+         self%joint = self%pace%owner
+         return
+      end if
       left = steps
       if (self%left == 0 .or. abs(t_end - self%t_end) > 0.0_wp) then
          if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
@@ -203,6 +221,7 @@ contains
       type(consistent_state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
+      character(len=12) :: buffer
       integer :: j, at
 
       ! counted, as gfortran takes all() one by one
@@ -211,6 +230,15 @@ contains
          call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
             str(state%cycle))
          return
+      end if
+      if (allocated(state%compliant)) then
+         if (state%compliant%failed) then
+            write (buffer, '(es12.5)') state%time
+            call fail(error, ERR_RUN, 'joint '// &
+               str(id_of(model, state%compliant%joint_worst))//' does not converge at t = '// &
+               trim(adjustl(buffer))//' (cycle '//str(state%cycle)//')')
+            return
+         end if
       end if
       at = full_turn(model, state)
       if (at == 0) return
@@ -222,6 +250,20 @@ contains
             str(state%cycle)//')')
       end do
    end subroutine check_state
+
+   !> User id of a joint, by its index among all
+   pure integer function id_of(model, at) result(id)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: at
+
+      integer :: j
+
+      id = 0
+      do j = 1, model%n_element
+         if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place == at) &
+            id = model%joint(j)%id
+      end do
+   end function id_of
 
    !> A joint (index among all) whose three free rotations come to a whole turn, where their chart
    !> ends, and that has something that hangs on them; 0 when there is none
@@ -340,7 +382,8 @@ contains
       end do
       state%energy = kinetic + state%energy
       s = kinetic + joints + potential(model, state) - state%work
-      if (state%by_steps) s = s - state%h**2/8.0_wp*kick_term(model, state) + state%offset
+      if (state%by_steps .and. .not. allocated(state%compliant)) &
+         s = s - state%h**2/8.0_wp*kick_term(model, state) + state%offset
       if (state%cycle == 0) then
          state%s0 = s
          state%scale = energy_of_rounding(model, state)

@@ -12,7 +12,7 @@ module kj_consistent_safe_step
    use kj_math3, only: cross
    use kj_joint_batch, only: is_spring, LAW_DAMPER_CURVE, LAW_SPRING_CURVE, joint_batch_t
    use kj_block, only: BLOCK, block_of, lane_of
-   use kj_joint_types, only: CHART_VECTOR, CHART_LINE
+   use kj_joint_types, only: joint_types, CHART_VECTOR, CHART_LINE
    use kj_consistent_compliance, only: end_inertias, compliance, eigenvalues_from_above
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias
@@ -403,6 +403,9 @@ contains
 
       k = steepest(curves, LAW_SPRING_CURVE, batch%law, batch%k(i, :), &
          curves_of(batch%k_curve, i))
+      if (batch%geometry%implicit .and. .not. is_spring(batch)) then
+         where (joint_types(batch%row)%free == 0) k = 0.0_wp
+      end if
       if (batch%limited) k = k + limit_stiffness(batch, curves, i)
    end function largest_stiffness
 

@@ -16,6 +16,7 @@ module kj_consistent_snapshot
    use kj_consistent_conditions, only: body_matrix, held_force
    use kj_consistent_step, only: place_node
    use kj_consistent_march, only: march_t, balance_ledger
+   use kj_consistent_compliant_show, only: begin_show, end_show
    use kj_consistent_islands, only: part_t, gather_parts
    implicit none
    private
@@ -38,6 +39,7 @@ contains
          call gather_parts(model, part, state, march)
       else
          call balance_ledger(model, state)
+         call begin_show(model, march%pace%h, state)
       end if
       call show_consistent_clock(model, march, state, now)
       now%work = state%work
@@ -50,6 +52,7 @@ contains
       call add_looseness(model, state, now)
       call note_loosest(model, now)
       now%balance = balance_of(model%model_t, now)
+      if (size(part) == 0) call end_show(state)
    end subroutine show_consistent
 
    !> Cycle, time, step and who limits it

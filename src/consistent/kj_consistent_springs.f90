@@ -18,7 +18,7 @@ module kj_consistent_springs
    implicit none
    private
 
-   public :: add_springs
+   public :: add_springs, coordinates, laws
 
 contains
 

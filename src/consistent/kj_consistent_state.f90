@@ -8,6 +8,7 @@ module kj_consistent_state
    use kj_consistent_batch, only: consistent_joint_t
    use kj_consistent_matrix, only: poses_t
    use kj_gravity, only: gravity_t
+   use kj_consistent_compliant_types, only: compliant_t
    implicit none
    private
 
@@ -90,6 +91,7 @@ module kj_consistent_state
       !> (3, entries) of concentrated loads
       real(wp), allocatable :: load_force(:, :), load_place(:, :)
       type(gravity_t), allocatable :: field(:)     !! cards of gravity
+      type(compliant_t), allocatable :: compliant    !! of that integrator alone
       ! ledger
       real(wp) :: work = 0.0_wp                  !! of loads and imposed motion
       logical :: by_steps = .true.               !! work of loads by mean force times displacement

@@ -15,7 +15,7 @@ module kj_consistent_step
    implicit none
    private
 
-   public :: split_step, find_forces, place_node, reach_motions
+   public :: split_step, find_forces, place_node, place_nodes, reach_motions
 
    !> What threads do with pieces of leads: one thing or the sum of several, in this order
    integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 4, WEIGH = 8, LOOK = 16, KICKING = 32

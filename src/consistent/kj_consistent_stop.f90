@@ -212,6 +212,10 @@ contains
                k = l%k_block(j, merge(1, 2, dof <= 3))
                m = batch%geometry%inertia(j, dof)
                strain = q(i, dof) - state%q_lock(i, dof)
+               if (batch%geometry%implicit) then      ! a row of the integrator
+                  if (holds) state%flag(i, dof) = DOF_LOCKED
+                  cycle
+               end if
                if (.not. holds) then
                   ! what is left of k strain^2/2 by the trapezoidal rule of the work
                   lost(i) = lost(i) + max(0.0_wp, 0.5_wp*k*strain*(before(i, dof) - &
@@ -238,7 +242,8 @@ contains
       if (.not. k > TINY_VALUE) k = batch%limit%k_block(j, merge(1, 2, dof <= 3))
    end function stop_stiffness
 
-   !> Largest stiffness that the limits of joint j can add to each direction, for the time step
+   !> Largest stiffness that the limits of joint j can add to each direction, for the time step;
+   !> friction alone where blocked directions are implicit: these see to stops and locks
    pure function limit_stiffness(batch, curves, j) result(k)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
@@ -253,9 +258,9 @@ contains
       associate (l => batch%limit)
          do dof = 1, NDOF
             if (joint_types(batch%row)%free(dof) == 0) cycle
-            if (l%lo(j, dof) < 0.0_wp .or. l%hi(j, dof) > 0.0_wp) &
-               stop(dof) = stop_stiffness(batch, j, dof)
-            if (l%t_lock(j) < huge(1.0_wp)) &
+            if ((l%lo(j, dof) < 0.0_wp .or. l%hi(j, dof) > 0.0_wp) .and. &
+               .not. batch%geometry%implicit) stop(dof) = stop_stiffness(batch, j, dof)
+            if (l%t_lock(j) < huge(1.0_wp) .and. .not. batch%geometry%implicit) &
                k(dof) = k(dof) + l%k_block(j, merge(1, 2, dof <= 3))
             if (.not. has_friction(l%k(j, dof), l%slip(j, dof), l%slip_curve(j, dof))) cycle
             steep = l%k(j, dof)

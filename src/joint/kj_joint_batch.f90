@@ -48,6 +48,7 @@ module kj_joint_batch
       logical :: mean = .true.                   !! translations in the mean frame, else of body 1
       logical :: damped = .false.                !! any dof has damping
       logical :: shifted = .false.               !! some angle does not start at 0
+      logical :: implicit = .false.              !! blocked directions and locks are implicit
       !> (n) equal springs without a length: no frame needed
       logical, allocatable :: plain(:)
       !> (n, 6) node 1 and node 2 from their leads, body axes

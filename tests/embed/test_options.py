@@ -20,7 +20,9 @@ BASE = dict(ignore_unsupported=1)
 # another value of each option, which changes the bits of the samples, or ends with a status
 OTHER = dict(formulation="legacy", integrator="liemid", dt_rule="nodal", dt_scale=0.3,
              dt_max_scale=0.01, until=0.01, sample=0.01, energy_limit=1e-12, kn_scale=0.5,
-             ignore_unsupported=0, threads=2, least_share=1, islands=1)
+             kn="inf", error=1e-6, turn=0.001, fast=1, ignore_unsupported=0, threads=2, least_share=1, islands=1)
+# these go with the integrator compliant alone
+BESIDE = dict.fromkeys(("kn", "error", "turn"), dict(integrator="compliant"))
 STATUS = dict(energy_limit=1, ignore_unsupported=2)
 # these two change the number of threads and no bit; what a scene of three bodies needs beside them
 THREADS = dict(threads=dict(least_share=1), least_share=dict(threads=2))
@@ -76,8 +78,10 @@ class Options(unittest.TestCase):
                         continue
                     if name == "threads" and not openmp():
                         continue
-                    run = side(**{**BASE, name: value})
-                    self.assertEqual(same(run, base), name in THREADS)
+                    beside = {**BASE, **BESIDE.get(name, {})}
+                    run = side(**{**beside, name: value})
+                    without = over_python(**beside) if name in BESIDE else base
+                    self.assertEqual(same(run, without), name in THREADS)
                     arrived = run.options[name]
                     self.assertEqual(arrived if isinstance(value, str) else float(arrived), value)
 
@@ -91,7 +95,7 @@ class Options(unittest.TestCase):
                 if name == "threads" and not openmp():
                     continue
                 with self.subTest(name=name):
-                    options = {**BASE, name: value}
+                    options = {**BASE, **BESIDE.get(name, {}), name: value}
                     run = subprocess.run([PROGRAM, "run", str(DECK), "-q", "-o", path,
                                           *words_of(options)], capture_output=True, check=False)
                     self.assertEqual(run.returncode, STATUS.get(name, 0), run.stderr)

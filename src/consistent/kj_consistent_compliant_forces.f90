@@ -1,0 +1,371 @@
+!> What joints do in a step of the integrator `compliant` beside their implicit rows: coordinates of
+!> a pose, explicit springs, stops and friction, dampers of explicit rows, locks, and their
+!> energies.
+!> Source: docs/theory/compliant.md 2, 5.
+module kj_consistent_compliant_forces
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_joint_types, only: joint_types, NDOF, CHART_VECTOR
+   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE
+   use kj_consistent_batch, only: limit_block_t
+   use kj_consistent_matrix, only: rates, put_wrench, add_moment
+   use kj_consistent_springs, only: coordinates, laws
+   use kj_consistent_dampers, only: damper
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_compliant_types, only: compliant_t, compliant_block_t
+   use kj_consistent_compliant_matrix, only: add_wrenches, wrench_of_rows
+   implicit none
+   private
+
+   public :: see_joints, spring_forces, damper_rows, add_rests, put_forces, close_rows, &
+      renew_locks, ALL_DOFS
+
+   logical, parameter :: ALL_DOFS(NDOF) = .true.
+   real(wp), parameter :: SAME_TIME = 1.0e-9_wp  !! of the time itself
+
+contains
+
+   !> Coordinates and B of all joints in the present pose, as tried ones
+   subroutine see_joints(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_t), intent(inout) :: self
+
+      integer :: piece, b, from, n, at, i
+
+      !$omp parallel do schedule(static) num_threads(model%team%threads) &
+      !$omp private(b, from, n, at, i) if(model%team%threads > 1)
+      do piece = 1, size(model%team%joint, 2)
+         b = model%team%joint(1, piece)
+         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
+            n = min(BLOCK, model%team%joint(3, piece) - from + 1)
+            at = (from - 1)/BLOCK + 1
+            associate (rows => self%joint(b)%block(at))
+               call coordinates(model%batch(b), state%poses, from, n, &
+                  state%joint(b)%block(at)%q, rows%q, rows%b, rows%rot)
+               if (model%batch(b)%geometry%chart /= CHART_VECTOR) cycle
+               if (.not. model%batch(b)%limited) cycle
+               do i = 1, n                        ! locked: forces belong to the coordinates
+                  if (any(rows%k(i, 4:6) > 0.0_wp)) rows%b%turn(i, :) = rows%rot(i, :)
+               end do
+            end associate
+         end do
+      end do
+   end subroutine see_joints
+
+   !> Forces of explicit rows without dampers in the pose that was seen, added to those of the
+   !> leads; what they store and lose
+   subroutine spring_forces(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(in) :: self
+
+      integer :: piece, b, from
+
+      !$omp parallel do schedule(static) num_threads(model%team%threads) &
+      !$omp private(b, from) if(model%team%threads > 1)
+      do piece = 1, size(model%team%joint, 2)
+         b = model%team%joint(1, piece)
+         if (.not. self%sprung(b)) cycle
+         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
+            call springs_of_block(model, b, from, &
+               min(BLOCK, model%team%joint(3, piece) - from + 1), self, state)
+         end do
+      end do
+      do b = 1, size(model%batch)
+         if (self%sprung(b)) call add_wrenches(model%batch(b), state%wrench, state%f, state%t)
+      end do
+   end subroutine spring_forces
+
+   subroutine springs_of_block(model, b, from, n, self, state)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: b, from, n
+      type(compliant_t), intent(in) :: self
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: f(BLOCK, 6), lost(BLOCK), moment(BLOCK, 3), rub(BLOCK, 6)
+      integer :: at, i, k
+
+      at = (from - 1)/BLOCK + 1
+      associate (batch => model%batch(b), rows => self%joint(b)%block(at), &
+         lanes => state%joint(b)%block(at))
+         call laws(batch, model%curves, state%poses, from, n, rows%q, at, state%joint(b), f, lost)
+         do k = 1, NDOF
+            if (.not. self%explicit(k, b)) then
+               f(:n, k) = 0.0_wp
+               cycle
+            end if
+            do i = 1, n
+               lanes%elastic(i) = lanes%elastic(i) + &
+                  0.5_wp*(rows%q(i, k) - lanes%q(i, k))*(f(i, k) + lanes%fe(i, k))
+               lanes%fe(i, k) = f(i, k)
+            end do
+         end do
+         rub = 0.0_wp
+         if (batch%limited) then
+            lanes%elastic(:n) = lanes%elastic(:n) - lost(:n)
+            lanes%dissipated(:n) = lanes%dissipated(:n) + lost(:n)
+            rub(:n, :) = state%joint(b)%limit(at)%friction(:n, :)
+            call rates(batch, ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, lanes%qd)
+         end if
+         moment(:n, :) = 0.0_wp
+         if (batch%geometry%chart == CHART_VECTOR) then
+            call add_moment(n, f(:, 4:6), rows%rot, moment)
+         else
+            call add_moment(n, f(:, 4:6), rows%b%turn, moment)
+         end if
+         if (batch%limited) then
+            call add_moment(n, rub(:, 4:6), rows%b%turn, moment)
+            f(:n, 1:3) = f(:n, 1:3) + rub(:n, 1:3)
+         end if
+         call put_wrench(n, f(:, 1:3), moment, rows%b, state%wrench(:, batch%first + from:))
+      end associate
+   end subroutine springs_of_block
+
+   !> Dampers of explicit rows for the velocity stage: rows%damp = h/2 c, for curves the slope at
+   !> the rates of the velocities of the poses. Forces beside them, rows%rest: what curves leave,
+   !> and dampers of combined stops; any_rest: there may be some.
+   subroutine damper_rows(model, h, state, self, any_rest)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_t), intent(inout) :: self
+      logical, intent(out) :: any_rest
+
+      real(wp) :: rate(BLOCK, 6), f(BLOCK), c(BLOCK)
+      logical :: curve
+      integer :: b, at, from, n, k, i
+
+      any_rest = .false.
+      do b = 1, size(model%batch)
+         if (.not. self%damped(b)) cycle
+         associate (batch => model%batch(b))
+            any_rest = any_rest .or. batch%limited .or. any(iand(batch%law, LAW_DAMPER_CURVE) /= 0)
+            do at = 1, size(self%joint(b)%block)
+               from = BLOCK*(at - 1) + 1
+               n = min(BLOCK, batch%n - from + 1)
+               associate (rows => self%joint(b)%block(at))
+                  call rates(batch, ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, rate)
+                  do k = 1, NDOF
+                     if (.not. self%explicit(k, b)) cycle
+                     call damper(batch, model%curves, from, n, k, rate(:, k), f, c)
+                     curve = iand(batch%law(k), LAW_DAMPER_CURVE) /= 0
+                     do i = 1, n
+                        rows%rest(i, k) = merge(f(i) - c(i)*rate(i, k), 0.0_wp, curve)
+                        if (batch%limited) c(i) = c(i) + state%joint(b)%limit(at)%c_limit(i, k)
+                        rows%damp(i, k) = merge(0.0_wp, 0.5_wp*h*c(i), rows%k(i, k) > 0.0_wp)
+                     end do
+                  end do
+                  if (batch%limited) call damp_round(n, state%joint(b)%limit(at), rate, rows%rest)
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine damper_rows
+
+   !> Dampers of combined stops at the predicted rates. Explicit: while a stop acts, h w is 1/20.
+   pure subroutine damp_round(n, limit, rate, rest)
+      integer, intent(in) :: n
+      type(limit_block_t), intent(in) :: limit
+      real(wp), intent(in) :: rate(BLOCK, 6)
+      real(wp), intent(inout) :: rest(BLOCK, 6)
+
+      integer :: i, part
+
+      do i = 1, n
+         do part = 1, 2
+            if (.not. limit%c_round(i, part) > 0.0_wp) cycle
+            associate (to => 3*part)
+               rest(i, to - 2:to) = rest(i, to - 2:to) + limit%c_round(i, part)* &
+                  dot_product(limit%to_round(i, to - 2:to), rate(i, to - 2:to))* &
+                  limit%to_round(i, to - 2:to)
+            end associate
+         end do
+      end do
+   end subroutine damp_round
+
+   !> Add these rests to the forces of the leads
+   subroutine add_rests(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(in) :: self
+
+      integer :: b, at, from
+
+      do b = 1, size(model%batch)
+         if (.not. self%damped(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1) + 1
+            call wrench_of_rows(min(BLOCK, model%batch(b)%n - from + 1), &
+               self%joint(b)%block(at)%rest, self%joint(b)%block(at)%b, &
+               state%wrench(:, model%batch(b)%first + from:))
+         end do
+         call add_wrenches(model%batch(b), state%wrench, state%f, state%t)
+      end do
+   end subroutine add_rests
+
+   !> Add the forces of constraints to those of the leads: multipliers f in the pose of B, dampers
+   !> of explicit rows as they are (first), or g in the pose that is tried
+   subroutine put_forces(model, first, self, state)
+      type(consistent_model_t), intent(in) :: model
+      logical, intent(in) :: first               !! position stage
+      type(compliant_t), intent(inout) :: self
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: f(BLOCK, 6)
+      integer :: b, at, from, n, k
+
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1) + 1
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at), &
+               wrench => self%wrench(:, model%batch(b)%first + from:))
+               if (first) then
+                  do k = 1, NDOF
+                     f(:n, k) = rows%f(:n, k)
+                     if (self%explicit(k, b)) f(:n, k) = f(:n, k) + lanes%fd(:n, k)
+                  end do
+                  call wrench_of_rows(n, f, lanes%b, wrench)
+               else
+                  call wrench_of_rows(n, rows%g, rows%b, wrench)
+               end if
+            end associate
+         end do
+         call add_wrenches(model%batch(b), self%wrench, state%f, state%t)
+      end do
+   end subroutine put_forces
+
+   !> After the velocity stage: work on implicit rows, which is elastic or lost, and of dampers;
+   !> the pose that was tried becomes the present one
+   subroutine close_rows(model, h, state, self)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(inout) :: self
+
+      real(wp) :: rate(BLOCK, 6)
+      integer :: piece, b, at, from, n, k
+
+      !$omp parallel do schedule(static) num_threads(model%team%threads) &
+      !$omp private(b, from, at, n, k, rate) if(model%team%threads > 1)
+      do piece = 1, size(model%team%joint, 2)
+         b = model%team%joint(1, piece)
+         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
+            n = min(BLOCK, model%team%joint(3, piece) - from + 1)
+            at = (from - 1)/BLOCK + 1
+            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
+               if (self%rowed(b)) call count_work(n, lanes%q, rows, lanes%elastic, lanes%dissipated)
+               if (self%damped(b)) then
+                  call rates(model%batch(b), ALL_DOFS, self%start%v_half, state%poses%w_left, &
+                     from, n, lanes%b, rate)
+                  call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
+                  do k = 1, NDOF
+                     if (self%explicit(k, b)) lanes%fd(:n, k) = merge(0.0_wp, rows%g(:n, k), &
+                        rows%k(:n, k) > 0.0_wp)
+                  end do
+                  call rates(model%batch(b), ALL_DOFS, self%start%v_half, self%start%w_half, from, &
+                     n, rows%b, rate)
+                  call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
+               end if
+               lanes%q(:n, :) = rows%q(:n, :)
+               lanes%b = rows%b
+               rows%f_before(:n, :) = rows%f_last(:n, :)
+               rows%f_last(:n, :) = rows%f(:n, :)
+            end associate
+         end do
+      end do
+   end subroutine close_rows
+
+   !> Half a step of the power of dampers of explicit rows
+   pure subroutine take_power(n, h, explicit, f, rate, dissipated)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h
+      logical, intent(in) :: explicit(NDOF)
+      real(wp), intent(in) :: f(BLOCK, 6), rate(BLOCK, 6)
+      real(wp), intent(inout) :: dissipated(BLOCK)
+
+      integer :: k
+
+      do k = 1, NDOF
+         if (explicit(k)) dissipated(:n) = dissipated(:n) + 0.5_wp*h*f(:n, k)*rate(:n, k)
+      end do
+   end subroutine take_power
+
+   !> Work of a step on implicit rows: 1/2 (f + g) (q - q(n)); elastic energy 1/2 k q^2 with the q
+   !> that f stands for; the rest is lost
+   pure subroutine count_work(n, before, rows, elastic, dissipated)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: before(BLOCK, 6)
+      type(compliant_block_t), intent(inout) :: rows
+      real(wp), intent(inout) :: elastic(BLOCK), dissipated(BLOCK)
+
+      real(wp) :: work(BLOCK), stored(BLOCK), strain
+      integer :: i, k
+
+      work(:n) = 0.0_wp
+      stored(:n) = 0.0_wp
+      do k = 1, NDOF
+         !$omp simd private(strain)
+         do i = 1, n
+            strain = rows%kappa(i, k)*rows%f(i, k) + rows%phi(i, k)*(before(i, k) - rows%q0(i, k))
+            stored(i) = stored(i) + 0.5_wp*rows%most(i, k)*strain**2
+            work(i) = work(i) + merge(0.5_wp*(rows%f(i, k) + rows%g(i, k))* &
+               (rows%q(i, k) - before(i, k)), 0.0_wp, rows%weight(i, k) > 0.0_wp)
+         end do
+      end do
+      do i = 1, n
+         elastic(i) = elastic(i) + (stored(i) - rows%elastic(i))
+         dissipated(i) = dissipated(i) + (work(i) - (stored(i) - rows%elastic(i)))
+         rows%elastic(i) = stored(i)
+      end do
+   end subroutine count_work
+
+   !> Locks that begin or end now: their free rows become implicit ones, or free again. changed:
+   !> some did
+   subroutine renew_locks(model, state, self, changed)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(inout) :: self
+      logical, intent(out) :: changed
+
+      logical :: holds
+      integer :: b, at, i, k, j
+
+      changed = .false.
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%limited) cycle
+         associate (batch => model%batch(b), l => model%batch(b)%limit)
+            do j = 1, batch%n
+               at = (j - 1)/BLOCK + 1
+               i = modulo(j - 1, BLOCK) + 1
+               holds = state%time >= l%t_lock(j)*(1.0_wp - SAME_TIME) .and. &
+                  state%time < l%t_free(j)*(1.0_wp - SAME_TIME)
+               associate (rows => self%joint(b)%block(at))
+                  do k = 1, NDOF
+                     if (joint_types(batch%row)%free(k) == 0) cycle
+                     if (holds .eqv. rows%k(i, k) > 0.0_wp) cycle
+                     changed = .true.
+                     rows%f(i, k) = 0.0_wp
+                     rows%f_last(i, k) = 0.0_wp
+                     rows%f_before(i, k) = 0.0_wp
+                     rows%g(i, k) = 0.0_wp
+                     rows%k(i, k) = 0.0_wp
+                     rows%c(i, k) = 0.0_wp
+                     rows%damp(i, k) = 0.0_wp
+                     state%joint(b)%block(at)%fd(i, k) = 0.0_wp
+                     if (.not. holds) cycle
+                     rows%q0(i, k) = state%joint(b)%block(at)%q(i, k)
+                     rows%k(i, k) = l%k_block(j, merge(1, 2, k <= 3))
+                     rows%c(i, k) = l%cr(j)*sqrt(rows%k(i, k)*batch%geometry%inertia(j, k))
+                     if (iand(batch%law(k), LAW_DAMPER) /= 0) rows%c(i, k) = rows%c(i, k) + &
+                        batch%c(j, k)
+                  end do
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine renew_locks
+
+end module kj_consistent_compliant_forces

@@ -1,0 +1,254 @@
+!> Steps of the integrator `compliant`: as long as the error, the turn of the bodies, explicit
+!> springs, stops and events allow.
+!> Source: docs/theory/compliant.md 3, 6.
+module kj_consistent_compliant_march
+   use kj_kinds, only: wp
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_body, only: spin_velocity
+   use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound, has_moved
+   use kj_consistent_compliant_step, only: compliant_step
+   use kj_consistent_compliant_build, only: new_compliant
+   use kj_consistent_compliant_start, only: start_velocities
+   implicit none
+   private
+
+   public :: pace_t, start_pace, march_compliant
+
+   integer, parameter :: LOOK = 4                !! steps between two looks at the error
+   integer, parameter :: MOST_HALVINGS = 6
+   integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
+   real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
+   real(wp), parameter :: START_PART = 0.02_wp   !! of the run, the first steps at most
+
+   !> Step control
+   type :: pace_t
+      logical :: rigid = .false.                 !! Kn = infinity
+      real(wp) :: tolerance = 1.0e-3_wp          !! error of the run over the size of the scene
+      real(wp) :: turn = 0.1_wp                  !! largest turn a step [rad]
+      real(wp) :: factor = BOUND_PART            !! of the bound
+      real(wp) :: most = huge(1.0_wp)            !! largest step of the deck
+      real(wp) :: first = huge(1.0_wp)           !! largest first step of the deck
+      real(wp) :: h_error = huge(1.0_wp)         !! step that the error allows
+      real(wp) :: h_turn = huge(1.0_wp)          !! by the turn rule
+      real(wp) :: h_bound = huge(1.0_wp)         !! by explicit springs
+      real(wp) :: limit = huge(1.0_wp)           !! least of them
+      integer :: owner = 0                       !! joint that holds it, index among all
+      real(wp) :: span = 0.0_wp                  !! time that the error is spread over
+      real(wp), allocatable :: event(:)          !! times that steps end on, ascending
+      integer :: next = 1                        !! of them
+      real(wp) :: target = -1.0_wp               !! time that equal steps lead to
+      real(wp) :: h = 0.0_wp
+      integer :: left = 0                        !! of these steps
+      integer :: since = 0                       !! steps since the last look
+      real(wp) :: drift = 0.0_wp                 !! sum of error over h since then
+      integer :: failed = 0                      !! halvings in a row
+      integer :: passes = 0, halvings = 0        !! of the run
+      type(bound_t) :: bound
+   end type pace_t
+
+contains
+
+   !> Rows, first limits, and velocities that the joints allow
+   subroutine start_pace(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(pace_t), intent(inout) :: self
+
+      real(wp) :: loss, kinetic
+
+      loss = 0.0_wp
+      kinetic = 0.0_wp
+      if (state%cycle > 0 .and. allocated(state%compliant)) then
+         loss = state%compliant%loss
+         kinetic = state%compliant%kinetic
+      end if
+      call new_compliant(model, self%rigid, state)
+      call new_bound(model, .false., state, self%bound)
+      self%h_bound = self%factor*min(self%bound%h, 1.0e30_wp)
+      self%span = model%control%t_stop - state%time
+      if (.not. self%span > 0.0_wp) self%span = 1.0_wp
+      self%h_error = START_PART*self%span
+      call list_events(model, self)
+      self%left = 0
+      self%since = 0
+      self%drift = 0.0_wp
+      self%failed = 0
+      call take_limit(model, state, self)
+      call start_velocities(model, min(self%limit, self%first, model%control%sample), state)
+      if (state%cycle > 0) then
+         state%compliant%loss = loss
+         state%compliant%kinetic = kinetic
+      end if
+      call take_limit(model, state, self)
+   end subroutine start_pace
+
+   !> Times at which something begins or ends
+   subroutine list_events(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(pace_t), intent(inout) :: self
+
+      real(wp), allocatable :: t(:)
+      real(wp) :: now
+      integer :: b, i, k
+
+      t = [model%motion%t_start, model%motion%t_stop, model%motion%t_sensor, &
+         model%cload%t_start, model%cload%t_stop, model%gravity%t_start, model%gravity%t_stop]
+      do b = 1, size(model%batch)
+         if (model%batch(b)%limited) t = [t, model%batch(b)%limit%t_lock, &
+            model%batch(b)%limit%t_free]
+      end do
+      t = pack(t, t > 0.0_wp .and. t < 1.0e29_wp)
+      do i = 2, size(t)                          ! few
+         now = t(i)
+         do k = i - 1, 1, -1
+            if (t(k) <= now) exit
+            t(k + 1) = t(k)
+         end do
+         t(k + 1) = now
+      end do
+      self%event = t
+      self%next = 1
+   end subroutine list_events
+
+   !> The longest step now
+   subroutine take_limit(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(pace_t), intent(inout) :: self
+
+      real(wp) :: fastest
+      integer :: i
+
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      fastest = 0.0_wp
+      do i = 1, model%n_lead
+         if (.not. maxval(model%inverse_inertia(i, :)) > 0.0_wp) cycle
+         fastest = max(fastest, sum(state%poses%w(i, :)**2), &
+            sum(state%l(i, :)**2)*model%inverse_inertia(i, 2)**2)
+      end do
+      self%h_turn = huge(1.0_wp)
+      if (fastest > 0.0_wp) self%h_turn = self%turn/sqrt(fastest)
+      if (self%bound%h < huge(1.0_wp)) then
+         if (has_moved(model, state, self%bound)) then
+            call renew_bound(model, state, self%bound)
+            self%h_bound = self%factor*min(self%bound%h, 1.0e30_wp)
+         end if
+      end if
+      self%limit = min(self%h_error, self%h_turn, self%h_bound, self%most)
+      self%owner = 0
+      if (self%h_bound <= self%limit) self%owner = self%bound%joint
+   end subroutine take_limit
+
+   !> Steps towards t_end, at most `steps` of them; arrived: t_end is reached. A run that no step
+   !> brings further is marked in state%compliant%failed.
+   subroutine march_compliant(model, t_end, steps, self, state, arrived)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: t_end
+      integer, intent(in) :: steps
+      type(pace_t), intent(inout) :: self
+      type(consistent_state_t), intent(inout) :: state
+      logical, intent(out) :: arrived
+
+      real(wp) :: target
+      logical :: good
+      integer :: i
+
+      arrived = .not. t_end > state%time
+      if (arrived) return
+      do i = 1, steps
+         target = next_target(t_end, state%time, self)
+         if (self%left == 0 .or. abs(target - self%target) > 0.0_wp) &
+            call divide(target, state, self)
+         if (state%compliant%e_way <= 0.0_wp) state%compliant%e_way = self%tolerance* &
+            state%compliant%size*self%h/self%span
+         if (state%compliant%e_turn <= 0.0_wp) state%compliant%e_turn = self%tolerance*self%h/ &
+            self%span
+         call compliant_step(model, self%h, state, good)
+         self%passes = self%passes + state%compliant%passes
+         if (.not. good) then
+            self%halvings = self%halvings + 1
+            self%failed = self%failed + 1
+            state%compliant%failed = self%failed > MOST_HALVINGS
+            if (state%compliant%failed) return
+            self%h_error = 0.5_wp*self%h
+            self%limit = min(self%limit, self%h_error)
+            call divide(target, state, self)
+            self%since = 0
+            self%drift = 0.0_wp
+            cycle
+         end if
+         self%failed = 0
+         self%left = self%left - 1
+         if (self%left == 0) state%time = self%target
+         call watch(model, state, self)
+         arrived = .not. t_end > state%time
+         if (arrived) return
+      end do
+   end subroutine march_compliant
+
+   !> The end of the march or the next event
+   pure real(wp) function next_target(t_end, time, self) result(target)
+      real(wp), intent(in) :: t_end, time
+      type(pace_t), intent(in) :: self
+
+      integer :: i
+
+      target = t_end
+      do i = 1, size(self%event)
+         if (self%event(i) <= time*(1.0_wp + 1.0e-9_wp)) cycle
+         if (self%event(i) < t_end*(1.0_wp - 1.0e-9_wp)) target = self%event(i)
+         return
+      end do
+   end function next_target
+
+   !> Equal steps to a time
+   pure subroutine divide(target, state, self)
+      real(wp), intent(in) :: target
+      type(consistent_state_t), intent(in) :: state
+      type(pace_t), intent(inout) :: self
+
+      real(wp) :: limit, h
+
+      limit = self%limit
+      if (state%cycle == 0) limit = min(limit, self%first)
+      self%target = target
+      self%left = max(1, ceiling(min((target - state%time)/limit, 1.0e9_wp) - 1.0e-6_wp))
+      h = (target - state%time)/self%left
+      ! the same bits for the same step: its matrix is still there
+      if (abs(h - self%h) > 1.0e-12_wp*h) self%h = h
+   end subroutine divide
+
+   !> After a step: are the next ones as long?
+   subroutine watch(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(pace_t), intent(inout) :: self
+
+      real(wp) :: e, allowed, change, before
+
+      associate (c => state%compliant)
+         e = c%e_turn
+         if (c%size > 0.0_wp) e = max(e, c%e_way/c%size)
+         if (c%jump <= FREE_STEPS) then
+            self%drift = 0.0_wp
+            return
+         end if
+      end associate
+      self%since = self%since + 1
+      self%drift = self%drift + e/self%h
+      allowed = self%tolerance/self%span
+      if (self%since < LOOK .and. e <= 4.0_wp*allowed*self%h) return
+      if (e > 4.0_wp*allowed*self%h) self%drift = self%since*e/self%h
+      before = self%limit
+      change = 0.9_wp*sqrt(allowed*self%since/max(self%drift, tiny(e)))
+      change = max(0.3_wp, min(2.0_wp, change))
+      if (change < 0.8_wp .or. change > 1.2_wp) self%h_error = &
+         change*min(self%h, self%h_error)
+      self%since = 0
+      self%drift = 0.0_wp
+      call take_limit(model, state, self)
+      if (self%left > 0 .and. (self%limit < self%h*(1.0_wp - 1.0e-9_wp) .or. &
+         self%limit > 1.2_wp*before)) call divide(self%target, state, self)
+   end subroutine watch
+
+end module kj_consistent_compliant_march

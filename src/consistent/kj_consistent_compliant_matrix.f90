@@ -1,0 +1,266 @@
+!> The matrix M + B^T W B of the moving bodies, W = h/2 (h k + c) of the rows, and solutions of
+!> (B M^-1 B^T + 1/W) f = r: M y + B^T W B y = B^T W r, f = W (r - B y).
+!> Source: docs/theory/compliant.md 4.
+module kj_consistent_compliant_matrix
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_joint_batch, only: joint_batch_t
+   use kj_consistent_batch, only: matrix_t
+   use kj_consistent_matrix, only: put_wrench, add_moment
+   use kj_consistent_body, only: columns
+   use kj_consistent_conditions, only: free_directions
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_compliant_types, only: compliant_t, coefficients_t
+   use kj_consistent_compliant_rows, only: coefficients
+   use kj_consistent_compliant_factor, only: factorise, solve_bodies
+   implicit none
+   private
+
+   public :: assemble, solve_rows, add_wrenches, wrench_of_rows
+
+contains
+
+   !> Assemble the matrix in the pose of B, and factorise it
+   subroutine assemble(model, state, active, tried, self, good)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      logical, intent(in) :: active(:)           !! (n_motion)
+      logical, intent(in) :: tried               !! B is that of the pose that is tried
+      type(compliant_t), intent(inout) :: self
+      logical, intent(out) :: good
+
+      type(coefficients_t) :: a
+      integer :: b, at, n, i
+
+      self%factor%below = 0.0_wp
+      call put_masses(model, state, active, self)
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            associate (rows => self%joint(b)%block(at))
+               if (tried) then
+                  call coefficients(n, rows%weight + rows%damp, rows%b, a)
+               else
+                  call coefficients(n, rows%weight, state%joint(b)%block(at)%b, a)
+               end if
+            end associate
+            do i = 1, n
+               call scatter(model%batch(b)%lead(BLOCK*(at - 1) + i, :), &
+                  model%batch(b)%first + BLOCK*(at - 1) + i, i, a, self)
+            end do
+         end do
+      end do
+      call factorise(self%pattern, self%factor, good)
+   end subroutine assemble
+
+   !> Masses and inertias; 1 times their size along directions that are held
+   subroutine put_masses(model, state, active, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      logical, intent(in) :: active(:)
+      type(compliant_t), intent(inout) :: self
+
+      real(wp) :: e(3, 3), j(3, 3), m(3, 3), p(3, 3), s
+      integer :: i, k, lead
+
+      do i = 1, self%pattern%n
+         lead = self%pattern%lead(i)
+         e = reshape(columns(state%poses%quat(lead, :)), [3, 3])
+         j = matmul(e*spread(model%spin_inertia(lead, :), 1, 3), transpose(e))
+         m = 0.0_wp
+         do k = 1, 3
+            m(k, k) = model%mass(lead)
+         end do
+         if (self%partly(lead)) then
+            call free_directions(model, state, lead, active, self%free(:, :, :, lead))
+            do k = 1, 2
+               p = self%free(:, :, k, lead)
+               if (k == 1) then
+                  s = max(model%mass(lead), tiny(s))
+                  m = matmul(p, matmul(m, p))
+                  call fill(s, p, m)
+               else
+                  s = max(maxval(model%spin_inertia(lead, :)), 1.0e-6_wp*model%mass(lead), tiny(s))
+                  j = matmul(p, matmul(j, p))
+                  call fill(s, p, j)
+               end if
+            end do
+         end if
+         associate (d => self%factor%diagonal(:, :, i))
+            d = 0.0_wp
+            d(1:3, 1:3) = m
+            d(4:6, 4:6) = j
+         end associate
+      end do
+
+   contains
+
+      !> a + s (1 - p)
+      pure subroutine fill(size, p, a)
+         real(wp), intent(in) :: size, p(3, 3)
+         real(wp), intent(inout) :: a(3, 3)
+
+         integer :: i
+
+         a = a - size*p
+         do i = 1, 3
+            a(i, i) = a(i, i) + size
+         end do
+      end subroutine fill
+   end subroutine put_masses
+
+   !> Add what joint number `joint` couples, lane i of a block
+   subroutine scatter(lead, joint, i, a, self)
+      integer, intent(in) :: lead(2), joint, i
+      type(coefficients_t), intent(in) :: a
+      type(compliant_t), intent(inout) :: self
+
+      real(wp) :: d(6, 6, 2), l(6, 6)
+      integer :: at(2), e, j, k, c
+
+      at = self%pattern%column(lead)
+      do j = 1, 3
+         do k = 1, 3
+            c = 3*(j - 1) + k
+            d(k, j, 1) = a%ff(i, c)
+            d(k, j, 2) = a%ff(i, c)
+            d(k, j + 3, 1) = a%fc(i, c)
+            d(j + 3, k, 1) = a%fc(i, c)
+            d(k, j + 3, 2) = -a%fm(i, c)
+            d(j + 3, k, 2) = -a%fm(i, c)
+            d(k + 3, j + 3, 1) = a%cc(i, c) + a%tt(i, c)
+            d(k + 3, j + 3, 2) = a%mm(i, c) + a%tt(i, c)
+            l(k, j) = -a%ff(i, c)
+            l(k, j + 3) = -a%fc(i, c)
+            l(j + 3, k) = a%fm(i, c)
+            l(k + 3, j + 3) = a%mc(i, c) - a%tt(i, c)
+         end do
+      end do
+      do e = 1, 2
+         if (at(e) == 0) cycle
+         if (self%partly(lead(e))) then
+            call hold(self%free(:, :, :, lead(e)), d(:, :, e))
+            d(:, :, e) = transpose(d(:, :, e))
+            call hold(self%free(:, :, :, lead(e)), d(:, :, e))
+            if (e == 2) call hold(self%free(:, :, :, lead(e)), l)
+            if (e == 1) then
+               l = transpose(l)
+               call hold(self%free(:, :, :, lead(e)), l)
+               l = transpose(l)
+            end if
+         end if
+         self%factor%diagonal(:, :, at(e)) = self%factor%diagonal(:, :, at(e)) + d(:, :, e)
+      end do
+      if (any(at == 0)) return
+      if (at(1) == at(2)) then
+         self%factor%diagonal(:, :, at(1)) = self%factor%diagonal(:, :, at(1)) + l + transpose(l)
+      else
+         if (at(2) < at(1)) l = transpose(l)
+         associate (place => self%pattern%place(joint))
+            self%factor%below(:, :, place) = self%factor%below(:, :, place) + l
+         end associate
+      end if
+   end subroutine scatter
+
+   !> Rows of b along held directions become 0
+   pure subroutine hold(p, b)
+      real(wp), intent(in) :: p(3, 3, 2)
+      real(wp), intent(inout) :: b(6, 6)
+
+      b(1:3, :) = matmul(p(:, :, 1), b(1:3, :))
+      b(4:6, :) = matmul(p(:, :, 2), b(4:6, :))
+   end subroutine hold
+
+   !> Forces and moments on the leads from rows%r: B^T r for the right-hand side; y of all leads
+   subroutine solve_rows(model, state, tried, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      logical, intent(in) :: tried
+      type(compliant_t), intent(inout) :: self
+
+      integer :: b, at, n, from, i, j, lead(2)
+      real(wp) :: w(9)
+
+      self%factor%x = 0.0_wp
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1)
+            n = min(BLOCK, model%batch(b)%n - from)
+            associate (rows => self%joint(b)%block(at))
+               if (tried) then
+                  call wrench_of_rows(n, rows%r, rows%b, self%wrench(:, model%batch(b)%first + &
+                     from + 1:))
+               else
+                  call wrench_of_rows(n, rows%r, state%joint(b)%block(at)%b, &
+                     self%wrench(:, model%batch(b)%first + from + 1:))
+               end if
+            end associate
+            do i = 1, n
+               j = model%batch(b)%first + from + i
+               lead = model%batch(b)%lead(from + i, :)
+               w = self%wrench(:, j)
+               associate (x => self%factor%x, c => self%pattern%column(lead))
+                  if (c(1) > 0) then
+                     x(1:3, c(1)) = x(1:3, c(1)) - w(1:3)
+                     x(4:6, c(1)) = x(4:6, c(1)) - w(4:6)
+                  end if
+                  if (c(2) > 0) then
+                     x(1:3, c(2)) = x(1:3, c(2)) + w(1:3)
+                     x(4:6, c(2)) = x(4:6, c(2)) - w(7:9)
+                  end if
+               end associate
+            end do
+         end do
+      end do
+      do i = 1, self%pattern%n
+         associate (l => self%pattern%lead(i))
+            if (.not. self%partly(l)) cycle
+            self%factor%x(1:3, i) = matmul(self%free(:, :, 1, l), self%factor%x(1:3, i))
+            self%factor%x(4:6, i) = matmul(self%free(:, :, 2, l), self%factor%x(4:6, i))
+         end associate
+      end do
+      call solve_bodies(self%pattern, self%factor)
+      do i = 1, self%pattern%n
+         self%y(self%pattern%lead(i), :) = self%factor%x(1:3, i)
+         self%turn(self%pattern%lead(i), :) = self%factor%x(4:6, i)
+      end do
+   end subroutine solve_rows
+
+   !> Wrench of the forces f of all six rows
+   pure subroutine wrench_of_rows(n, f, b, wrench)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: f(BLOCK, 6)
+      type(matrix_t), intent(in) :: b
+      real(wp), intent(inout) :: wrench(:, :)    !! (9, n and more)
+
+      real(wp) :: moment(BLOCK, 3)
+
+      moment(:n, :) = 0.0_wp
+      call add_moment(n, f(:, 4:6), b%turn, moment)
+      call put_wrench(n, f(:, 1:3), moment, b, wrench)
+   end subroutine wrench_of_rows
+
+   !> Add the wrenches of the joints of a batch to forces and moments of the leads
+   pure subroutine add_wrenches(batch, wrench, f, t)
+      type(joint_batch_t), intent(in) :: batch
+      real(wp), contiguous, intent(in) :: wrench(:, :)   !! (9, n_element)
+      real(wp), contiguous, intent(inout) :: f(:, :), t(:, :)   !! (n_lead, 3)
+
+      integer :: i, j, k
+
+      do i = 1, batch%n
+         j = batch%first + i
+         associate (a => batch%lead(i, 1), b => batch%lead(i, 2))
+            do k = 1, 3
+               f(a, k) = f(a, k) + wrench(k, j)
+               t(a, k) = t(a, k) + wrench(k + 3, j)
+               f(b, k) = f(b, k) - wrench(k, j)
+               t(b, k) = t(b, k) + wrench(k + 6, j)
+            end do
+         end associate
+      end do
+   end subroutine add_wrenches
+
+end module kj_consistent_compliant_matrix

@@ -1,0 +1,233 @@
+!> Rows of the joints in the integrator `compliant`, for blocks of joints: how stiff a step sees
+!> them, residuals, multipliers, and what they add to the matrix of the bodies.
+!> Source: docs/theory/compliant.md 1, 2, 4.
+module kj_consistent_compliant_rows
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_joint_types, only: NDOF
+   use kj_consistent_batch, only: matrix_t
+   use kj_consistent_compliant_types, only: compliant_block_t, coefficients_t
+   implicit none
+   private
+
+   public :: bound_stiffness, weigh_rows, extrapolate, residual, correct, velocity_side, &
+      velocity_force, coefficients
+
+   !> Gap of a rigid row over the way that its force alone moves the bodies in a step
+   real(wp), parameter :: GAP = 1.0e-6_wp
+
+contains
+
+   !> Stiffness of implicit rows, no more than a step can see: 2/(GAP h^2 s), s = B M^-1 B^T of the
+   !> row alone. Rigid rows have all of it.
+   pure subroutine bound_stiffness(n, h, rigid, s, rows)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h
+      logical, intent(in) :: rigid
+      real(wp), intent(in) :: s(BLOCK, 21)       !! lower triangles by rows
+      type(compliant_block_t), intent(inout) :: rows
+
+      real(wp) :: most
+      integer :: i, k
+
+      do k = 1, NDOF
+         do i = 1, n
+            rows%most(i, k) = rows%k(i, k)
+            if (.not. rows%k(i, k) > 0.0_wp) cycle
+            associate (own => s(i, k*(k + 1)/2))
+               most = huge(1.0_wp)
+               if (own > 0.0_wp) most = 2.0_wp/(GAP*h**2*own)
+               if (rigid) rows%most(i, k) = merge(most, 0.0_wp, own > 0.0_wp)
+               rows%most(i, k) = min(rows%most(i, k), most)
+            end associate
+         end do
+      end do
+   end subroutine bound_stiffness
+
+   !> Compliance, memory and weight of the rows for a step h
+   pure subroutine weigh_rows(n, h, rigid, rows)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h
+      logical, intent(in) :: rigid
+      type(compliant_block_t), intent(inout) :: rows
+
+      real(wp) :: both, c
+      integer :: i, k
+
+      do k = 1, NDOF
+         !$omp simd private(both, c)
+         do i = 1, n
+            c = merge(0.0_wp, rows%c(i, k), rigid .or. rows%most(i, k) < rows%k(i, k))
+            both = h*rows%most(i, k) + c
+            rows%weight(i, k) = 0.5_wp*h*both
+            both = merge(1.0_wp/max(both, tiny(both)), 0.0_wp, both > 0.0_wp)
+            rows%kappa(i, k) = h*both
+            rows%phi(i, k) = c*both
+         end do
+      end do
+   end subroutine weigh_rows
+
+   !> First guess of the multipliers: linear from those of the last two steps
+   pure subroutine extrapolate(n, ratio, rows)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: ratio              !! 0: as the last
+      type(compliant_block_t), intent(inout) :: rows
+
+      integer :: i, k
+
+      do k = 1, NDOF
+         !$omp simd
+         do i = 1, n
+            rows%f(i, k) = rows%f_last(i, k) + ratio*(rows%f_last(i, k) - rows%f_before(i, k))
+         end do
+      end do
+   end subroutine extrapolate
+
+   !> r = q - phi q(n) - kappa f, the largest of translations and rotations; then r/kappa, the
+   !> right-hand side times the weight
+   pure subroutine residual(n, before, rows, way, turn)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: before(BLOCK, 6)   !! q at the start of the step
+      type(compliant_block_t), intent(inout) :: rows
+      real(wp), intent(inout) :: way, turn
+
+      real(wp) :: worst, r, rate
+      integer :: i, k
+
+      do k = 1, NDOF
+         worst = 0.0_wp
+         !$omp simd private(r, rate) reduction(max: worst)
+         do i = 1, n
+            r = (rows%q(i, k) - rows%q0(i, k)) - rows%phi(i, k)*(before(i, k) - rows%q0(i, k)) - &
+               rows%kappa(i, k)*rows%f(i, k)
+            r = merge(r, 0.0_wp, rows%weight(i, k) > 0.0_wp)
+            rate = 1.0_wp/max(rows%kappa(i, k), tiny(r))
+            rows%r(i, k) = merge(r*rate, 0.0_wp, rows%weight(i, k) > 0.0_wp)
+            ! what is no number is not small
+            worst = max(worst, merge(abs(r), huge(r), abs(r) <= huge(r)))
+         end do
+         if (k <= 3) way = max(way, worst)
+         if (k > 3) turn = max(turn, worst)
+      end do
+   end subroutine residual
+
+   !> f := f + r - weight B y; the largest change and the largest force, translations and rotations
+   pure subroutine correct(n, rate, rows, change, force)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rate(BLOCK, 6)     !! B y
+      type(compliant_block_t), intent(inout) :: rows
+      real(wp), intent(inout) :: change(2), force(2)
+
+      real(wp) :: d, largest, size
+      integer :: i, k, part
+
+      do k = 1, NDOF
+         part = merge(1, 2, k <= 3)
+         largest = change(part)
+         size = force(part)
+         !$omp simd private(d) reduction(max: largest, size)
+         do i = 1, n
+            d = rows%r(i, k) - rows%weight(i, k)*rate(i, k)
+            rows%f(i, k) = rows%f(i, k) + d
+            largest = max(largest, abs(d))
+            size = max(size, abs(rows%f(i, k)))
+         end do
+         change(part) = largest
+         force(part) = size
+      end do
+   end subroutine correct
+
+   !> Right-hand side of the velocity stage times the weights:
+   !> 2/h (B u + k/(h k + c) (kappa f + phi q(n)))
+   pure subroutine velocity_side(n, h, at_rest, before, rate, rows)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h
+      logical, intent(in) :: at_rest             !! without the second part
+      real(wp), intent(in) :: before(BLOCK, 6)
+      real(wp), intent(in) :: rate(BLOCK, 6)     !! B u
+      type(compliant_block_t), intent(inout) :: rows
+
+      real(wp) :: part
+      integer :: i, k
+
+      part = merge(0.0_wp, 1.0_wp, at_rest)
+      do k = 1, NDOF
+         !$omp simd
+         do i = 1, n
+            rows%r(i, k) = (rows%weight(i, k) + rows%damp(i, k))*(2.0_wp/h)*rate(i, k) + &
+               part*rows%most(i, k)*(rows%kappa(i, k)*rows%f(i, k) + &
+               rows%phi(i, k)*(before(i, k) - rows%q0(i, k)))
+         end do
+      end do
+   end subroutine velocity_side
+
+   !> g = r - weight B y, and the rest of the dampers
+   pure subroutine velocity_force(n, rate, rows)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rate(BLOCK, 6)     !! B y
+      type(compliant_block_t), intent(inout) :: rows
+
+      integer :: i, k
+
+      do k = 1, NDOF
+         !$omp simd
+         do i = 1, n
+            rows%g(i, k) = rows%r(i, k) - (rows%weight(i, k) + rows%damp(i, k))*rate(i, k) + &
+               rows%rest(i, k)
+         end do
+      end do
+   end subroutine velocity_force
+
+   !> What the joints add to the matrix of the bodies
+   pure subroutine coefficients(n, weight, b, a)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: weight(BLOCK, 6)
+      type(matrix_t), intent(in) :: b
+      type(coefficients_t), intent(out) :: a
+
+      real(wp), dimension(BLOCK, 9) :: m, wf, wc, wm, wt
+      integer :: i, j, k, at
+
+      do k = 1, 7, 3
+         !$omp simd
+         do i = 1, n
+            m(i, k) = (b%apart(i, 2)*b%force(i, k + 2) - b%apart(i, 3)*b%force(i, k + 1)) - &
+               b%couple(i, k)
+            m(i, k + 1) = (b%apart(i, 3)*b%force(i, k) - b%apart(i, 1)*b%force(i, k + 2)) - &
+               b%couple(i, k + 1)
+            m(i, k + 2) = (b%apart(i, 1)*b%force(i, k + 1) - b%apart(i, 2)*b%force(i, k)) - &
+               b%couple(i, k + 2)
+         end do
+         do j = k, k + 2
+            !$omp simd
+            do i = 1, n
+               wf(i, j) = weight(i, (k + 2)/3)*b%force(i, j)
+               wc(i, j) = weight(i, (k + 2)/3)*b%couple(i, j)
+               wm(i, j) = weight(i, (k + 2)/3)*m(i, j)
+               wt(i, j) = weight(i, (k + 2)/3 + 3)*b%turn(i, j)
+            end do
+         end do
+      end do
+      do j = 1, 3
+         do k = 1, 3
+            at = 3*(j - 1) + k
+            !$omp simd
+            do i = 1, n
+               a%ff(i, at) = wf(i, k)*b%force(i, j) + wf(i, k + 3)*b%force(i, j + 3) + &
+                  wf(i, k + 6)*b%force(i, j + 6)
+               a%fc(i, at) = wf(i, k)*b%couple(i, j) + wf(i, k + 3)*b%couple(i, j + 3) + &
+                  wf(i, k + 6)*b%couple(i, j + 6)
+               a%cc(i, at) = wc(i, k)*b%couple(i, j) + wc(i, k + 3)*b%couple(i, j + 3) + &
+                  wc(i, k + 6)*b%couple(i, j + 6)
+               a%fm(i, at) = wf(i, k)*m(i, j) + wf(i, k + 3)*m(i, j + 3) + wf(i, k + 6)*m(i, j + 6)
+               a%mm(i, at) = wm(i, k)*m(i, j) + wm(i, k + 3)*m(i, j + 3) + wm(i, k + 6)*m(i, j + 6)
+               a%mc(i, at) = wm(i, k)*b%couple(i, j) + wm(i, k + 3)*b%couple(i, j + 3) + &
+                  wm(i, k + 6)*b%couple(i, j + 6)
+               a%tt(i, at) = wt(i, k)*b%turn(i, j) + wt(i, k + 3)*b%turn(i, j + 3) + &
+                  wt(i, k + 6)*b%turn(i, j + 6)
+            end do
+         end do
+      end do
+   end subroutine coefficients
+
+end module kj_consistent_compliant_rows

@@ -1,0 +1,76 @@
+!> Forces at t of the integrator `compliant`: the mean of the multipliers of the steps before and
+!> after. That of the step after needs its position stage, which is undone.
+!> Source: docs/theory/compliant.md 7.
+module kj_consistent_compliant_show
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_joint_types, only: NDOF
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_compliant_matrix, only: wrench_of_rows, add_wrenches
+   use kj_consistent_compliant_step, only: look_ahead
+   implicit none
+   private
+
+   public :: begin_show, end_show
+
+contains
+
+   !> Put the forces at t into the joints (fd of implicit rows) and the leads, for whoever reads
+   !> them
+   subroutine begin_show(model, h, state)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h                  !! the next step
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: before, after
+      integer :: b, at, from, n, k
+
+      if (.not. allocated(state%compliant)) return
+      call look_ahead(model, h, state)
+      associate (self => state%compliant)
+         before = 0.0_wp
+         after = 1.0_wp
+         if (self%jump > 0) before = h/(h + self%h_last)
+         after = 1.0_wp - before
+         self%start%f(:, :) = state%f
+         self%start%t(:, :) = state%t
+         do b = 1, size(model%batch)
+            if (.not. self%rowed(b)) cycle
+            do at = 1, size(self%joint(b)%block)
+               from = BLOCK*(at - 1) + 1
+               n = min(BLOCK, model%batch(b)%n - from + 1)
+               associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
+                  do k = 1, NDOF
+                     where (rows%weight(:n, k) > 0.0_wp) lanes%fd(:n, k) = before*rows%g(:n, k) + &
+                        after*rows%f(:n, k)
+                  end do
+                  call wrench_of_rows(n, lanes%fd, lanes%b, &
+                     self%wrench(:, model%batch(b)%first + from:))
+               end associate
+            end do
+            call add_wrenches(model%batch(b), self%wrench, state%f, state%t)
+         end do
+      end associate
+   end subroutine begin_show
+
+   !> As before
+   subroutine end_show(state)
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: b, at
+
+      if (.not. allocated(state%compliant)) return
+      associate (self => state%compliant)
+         state%f = self%start%f
+         state%t = self%start%t
+         do b = 1, size(self%rowed)
+            if (.not. self%rowed(b)) cycle
+            do at = 1, size(self%joint(b)%block)
+               where (self%joint(b)%block(at)%weight > 0.0_wp) &
+                  state%joint(b)%block(at)%fd = 0.0_wp
+            end do
+         end do
+      end associate
+   end subroutine end_show
+
+end module kj_consistent_compliant_show

@@ -1,0 +1,145 @@
+!> Start of the integrator `compliant`, and jumps: velocities that the joints allow, and the
+!> explicit forces of the present pose.
+!> Source: docs/theory/compliant.md 5.
+module kj_consistent_compliant_start
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_joint_types, only: NDOF
+   use kj_model, only: IMPOSE_VELOCITY
+   use kj_consistent_matrix, only: rates
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_body, only: spin_velocity, kick
+   use kj_consistent_leads, only: open_leads, look_leads
+   use kj_consistent_conditions, only: motion_targets, project_all, keep_rates, WHOLE
+   use kj_consistent_load, only: add_loads, find_gravity, add_gravity, add_host_loads
+   use kj_consistent_step, only: place_nodes
+   use kj_consistent_compliant_types, only: compliant_t
+   use kj_consistent_compliant_matrix, only: assemble, solve_rows
+   use kj_consistent_compliant_forces, only: see_joints, spring_forces, damper_rows, put_forces, &
+      renew_locks, ALL_DOFS
+   use kj_consistent_compliant_step, only: prepare, put_locks, velocity_sides, velocity_forces
+   implicit none
+   private
+
+   public :: start_velocities
+
+contains
+
+   !> At the start or after a jump: velocities that joints do not allow lose their energy at once,
+   !> by a velocity stage without forces; then the explicit forces of the present pose
+   subroutine start_velocities(model, h, state)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h                  !! of the first step
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: mean(size(model%motion)), final(size(model%motion)), before, work
+      logical :: active(size(model%motion)), good, changed
+
+      work = state%work
+      before = kinetic(model, state)
+      call renew_locks(model, state, state%compliant, changed)
+      call put_locks(state%compliant)
+      state%h = h
+      call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
+      active = active .and. model%motion%kind == IMPOSE_VELOCITY
+      call see_joints(model, state, state%compliant)
+      call prepare(model, h, active, state, state%compliant, good)
+      call keep_rates(model, 1, size(model%hold), state)
+      state%f = 0.0_wp
+      state%t = 0.0_wp
+      call look_leads(model, 0.0_wp, final, active, 1, model%n_lead, state)
+      associate (self => state%compliant)
+         call velocity_sides(model, h, state, self, .true.)
+         call assemble(model, state, active, .true., self, good)
+         call solve_rows(model, state, .true., self)
+         call velocity_forces(model, self)
+         call put_forces(model, .false., self, state)
+         call kick(model, state, h, 1, model%n_lead)
+         call project_all(model, final, active, WHOLE, state)
+         state%work = work
+         self%loss = before - kinetic(model, state)
+         self%kinetic = before
+         if (state%cycle > 0) call count_loss(model, h, state, self)
+         self%jump = 0
+      end associate
+      call find_explicit(model, final, active, state)
+   end subroutine start_velocities
+
+   !> Explicit forces of the present pose, without dampers; these from the velocities as they are
+   subroutine find_explicit(model, final, active, state)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: final(:)
+      logical, intent(in) :: active(:)
+      type(consistent_state_t), intent(inout) :: state
+
+      logical :: any_rest
+      integer :: b, at, k
+
+      call open_leads(model, 0.0_wp, 1, model%n_lead, state)
+      state%poses%psi = 0.0_wp
+      state%poses%h = 0.0_wp
+      call place_nodes(model, state)
+      call find_gravity(model, state)
+      call spring_forces(model, state, state%compliant)
+      call add_gravity(model, 1, model%n_lead, state)
+      call add_loads(model, state)
+      call add_host_loads(0.0_wp, state)
+      call look_leads(model, 0.0_wp, final, active, 1, model%n_lead, state)
+      associate (self => state%compliant)
+         call damper_rows(model, 1.0_wp, state, self, any_rest)
+         call velocity_sides(model, 1.0_wp, state, self, .false.)
+         do b = 1, size(model%batch)
+            do at = 1, size(self%joint(b)%block)
+               associate (lanes => state%joint(b)%block(at), rows => self%joint(b)%block(at))
+                  do k = 1, NDOF
+                     lanes%fd(:, k) = 0.0_wp
+                     if (.not. self%explicit(k, b)) lanes%fe(:, k) = 0.0_wp
+                     if (self%explicit(k, b) .and. self%damped(b)) &
+                        lanes%fd(:, k) = merge(0.0_wp, rows%r(:, k) + rows%rest(:, k), &
+                        rows%k(:, k) > 0.0_wp)
+                  end do
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine find_explicit
+
+   !> What the jump took is lost in the joints: impulse times mean rate
+   subroutine count_loss(model, h, state, self)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(in) :: self
+
+      real(wp) :: rate(BLOCK, 6, 2)
+      integer :: b, at, from, n, k
+
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1) + 1
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
+               call rates(model%batch(b), ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, &
+                  rate(:, :, 1))
+               call rates(model%batch(b), ALL_DOFS, state%v, state%poses%w, from, n, rows%b, &
+                  rate(:, :, 2))
+               do k = 1, NDOF
+                  lanes%dissipated(:n) = lanes%dissipated(:n) + 0.5_wp*h*rows%g(:n, k)*0.5_wp* &
+                     (rate(:n, k, 1) + rate(:n, k, 2))
+               end do
+            end associate
+         end do
+      end do
+   end subroutine count_loss
+
+   real(wp) function kinetic(model, state)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      kinetic = 0.5_wp*(sum(model%mass*sum(state%v**2, dim=2)) + sum(state%l*state%poses%w))
+   end function kinetic
+
+end module kj_consistent_compliant_start

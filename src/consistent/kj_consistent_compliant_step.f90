@@ -1,0 +1,427 @@
+!> One step of the integrator `compliant`: RATTLE with compliance. A position stage finds the
+!> multipliers f with which the free flow of the bodies ends at q = f/k; a velocity stage, linear,
+!> finds those, g, with which the velocities keep to it.
+!> Source: docs/theory/compliant.md 2, 3.
+!> One file: the two stages of a step.
+module kj_consistent_compliant_step
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_consistent_matrix, only: rates
+   use kj_consistent_compliance, only: compliance, end_inertias
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_body, only: inverse_inertias, spin_velocity
+   use kj_consistent_leads, only: move_leads, look_leads, kick_leads
+   use kj_consistent_conditions, only: motion_targets, count_work, FIRST_HALF, SECOND_HALF
+   use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
+   use kj_consistent_step, only: place_nodes, reach_motions
+   use kj_consistent_compliant_types, only: compliant_t
+   use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate, residual, &
+      correct, velocity_side, velocity_force
+   use kj_consistent_compliant_matrix, only: assemble, solve_rows
+   use kj_consistent_compliant_forces, only: see_joints, spring_forces, damper_rows, add_rests, &
+      put_forces, close_rows, renew_locks, ALL_DOFS
+   implicit none
+   private
+
+   public :: compliant_step, look_ahead, prepare, put_locks, velocity_sides, velocity_forces
+
+   integer, parameter :: MOST_PASSES = 8
+   integer, parameter :: RENEW = 8               !! steps between two looks at the stiffness bound
+   real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step, and of the forces
+   real(wp), parameter :: ROUNDING = 1.0e-12_wp  !! of the size of the scene, of a turn
+
+contains
+
+   !> From t to t + h; good is false, and the state that at t, when the position stage does not
+   !> converge
+   subroutine compliant_step(model, h, state, good)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+      logical, intent(out) :: good
+
+      real(wp) :: mean(size(model%motion)), final(size(model%motion))
+      logical :: active(size(model%motion)), changed
+
+      state%h = h
+      call renew_locks(model, state, state%compliant, changed)
+      if (changed) call put_locks(state%compliant)
+      call motion_targets(model, state, h, mean, final, active)
+      call position_stage(model, h, mean, active, state, good)
+      if (.not. good) then
+         call restore(model, state)
+         return
+      end if
+      call reach_motions(model, h, mean, final, active, state)
+      state%cycle = state%cycle + 1
+      state%time = state%time + h
+      state%poses%time = state%time
+      state%poses%h = h
+      state%compliant%start%v_half(:, :) = state%v
+      state%compliant%start%w_half(:, :) = state%poses%w
+      state%compliant%start%l_half(:, :) = state%l
+      call place_nodes(model, state)
+      call find_gravity(model, state)
+      call spring_forces(model, state, state%compliant)
+      call add_gravity(model, 1, model%n_lead, state)
+      call count_work(FIRST_HALF, state)
+      call count_gravity(model, h, state)
+      call add_loads(model, state)
+      call add_host_loads(h, state)
+      call velocity_stage(model, h, final, active, state, good)
+      associate (self => state%compliant)
+         call close_rows(model, h, state, self)
+         self%h_last = h
+         self%known = -1
+         self%jump = self%jump + 1
+         self%renewed = self%renewed + 1
+      end associate
+   end subroutine compliant_step
+
+   !> What hangs on the rows is found anew
+   subroutine put_locks(self)
+      type(compliant_t), intent(inout) :: self
+
+      self%factored = .false.
+      self%renewed = RENEW
+      self%jump = 0
+      self%known = -1
+   end subroutine put_locks
+
+   !> Multipliers f that bring the leads to poses with q = phi q(n) + kappa f, and these poses; what
+   !> is known before stands in state%compliant%start
+   subroutine position_stage(model, h, mean, active, state, good)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: mean(:)            !! (n_motion) mean velocities of the step
+      logical, intent(in) :: active(:)
+      type(consistent_state_t), intent(inout) :: state
+      logical, intent(out) :: good
+
+      real(wp) :: way, turn, last, change(2), force(2), scale
+      logical :: settled
+      integer :: pass
+
+      call keep(model, state)
+      associate (self => state%compliant)
+         call prepare(model, h, active, state, self, good)
+         if (.not. good) return
+         settled = self%known == state%cycle .and. abs(h - self%h_known) <= 0.0_wp
+         last = huge(last)
+         scale = max(self%size, tiny(scale))
+         do pass = 0, MOST_PASSES
+            if (pass > 0) call restore(model, state)
+            call put_forces(model, .true., self, state)
+            call move_leads(model, .false., h, mean, active, 1, model%n_lead, state)
+            call see_joints(model, state, self)
+            call find_residual(model, state, self, way, turn)
+            good = way <= CLOSE*self%e_way + ROUNDING*scale .and. &
+               turn <= CLOSE*self%e_turn + ROUNDING
+            self%passes = pass
+            if (good .and. settled) return
+            good = .false.
+            if (pass == MOST_PASSES .or. .not. max(way/scale, turn) <= 10.0_wp*last) exit
+            last = max(way/scale, turn)
+            call solve_rows(model, state, .false., self)
+            call correct_all(model, state, self, change, force)
+            force(1) = max(force(1), force(2)/scale)
+            settled = max(change(1), change(2)/scale) <= CLOSE*force(1)
+         end do
+         call find_worst(model, self)
+      end associate
+   end subroutine position_stage
+
+   !> Weights of the rows and the factor for a position stage of this step, and the first guess
+   subroutine prepare(model, h, active, state, self, good)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      logical, intent(in) :: active(:)
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(inout) :: self
+      logical, intent(out) :: good
+
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ratio
+      integer :: b, at, from, n, i
+      logical :: anew, look
+
+      look = self%renewed >= RENEW .or. self%jump == 0
+      anew = look .or. abs(h - self%h_factor) > 0.0_wp
+      if (anew) call inverse_inertias(model, state%poses%quat, 1, model%n_lead, state%poses%ij)
+      ratio = 0.0_wp
+      if (self%jump >= 2) ratio = h/self%h_last
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1) + 1
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            associate (rows => self%joint(b)%block(at))
+               if (anew) then
+                  call end_inertias(model%batch(b), state%poses, from, n, im, ij1, ij2)
+                  do i = 1, n
+                     associate (ends => real(max(1, model%n_end(model%batch(b)%lead(from + i - 1, &
+                        :))), wp))
+                        im(i, :) = im(i, :)/ends
+                        ij1(i, :) = ij1(i, :)/ends(1)
+                        ij2(i, :) = ij2(i, :)/ends(2)
+                     end associate
+                  end do
+                  call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
+                  call bound_stiffness(n, h, self%rigid, s, rows)
+                  call weigh_rows(n, h, self%rigid, rows)
+               end if
+               if (self%known /= state%cycle) call extrapolate(n, ratio, rows)
+            end associate
+         end do
+      end do
+      good = .true.
+      if (anew) then
+         self%renewed = 0
+         self%factored = .false.
+      end if
+      if (.not. self%factored) call assemble(model, state, active, .false., self, good)
+      self%factored = good
+      self%h_factor = h
+   end subroutine prepare
+
+   subroutine find_residual(model, state, self, way, turn)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_t), intent(inout) :: self
+      real(wp), intent(out) :: way, turn
+
+      integer :: b, at
+
+      way = 0.0_wp
+      turn = 0.0_wp
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            call residual(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), &
+               state%joint(b)%block(at)%q, self%joint(b)%block(at), way, turn)
+         end do
+      end do
+   end subroutine find_residual
+
+   subroutine correct_all(model, state, self, change, force)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_t), intent(inout) :: self
+      real(wp), intent(out) :: change(2), force(2)
+
+      real(wp) :: rate(BLOCK, 6)
+      integer :: b, at, from, n
+
+      change = 0.0_wp
+      force = 0.0_wp
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1) + 1
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            call rates(model%batch(b), ALL_DOFS, self%y, self%turn, from, n, &
+               state%joint(b)%block(at)%b, rate)
+            call correct(n, rate, self%joint(b)%block(at), change, force)
+         end do
+      end do
+   end subroutine correct_all
+
+   !> The joint with the largest force that is left over
+   subroutine find_worst(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(inout) :: self
+
+      real(wp) :: most, r
+      integer :: b, j, at, i
+
+      most = -1.0_wp
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do j = 1, model%batch(b)%n
+            at = (j - 1)/BLOCK + 1
+            i = modulo(j - 1, BLOCK) + 1
+            associate (rows => self%joint(b)%block(at))
+               r = maxval(abs(rows%r(i, 1:3)*rows%kappa(i, 1:3)))
+               r = max(r, self%size*maxval(abs(rows%r(i, 4:6)*rows%kappa(i, 4:6))))
+            end associate
+            if (r <= most) cycle
+            most = r
+            self%joint_worst = model%batch(b)%first + j
+         end do
+      end do
+   end subroutine find_worst
+
+   !> Multipliers g with which the velocities after the second half kick keep to the rows, that
+   !> kick, and the estimate of the error of the step. state%f and state%t are those of explicit
+   !> forces, and are so again afterwards.
+   subroutine velocity_stage(model, h, final, active, state, good)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: final(:)           !! (n_motion) velocities at the end of the step
+      logical, intent(in) :: active(:)
+      type(consistent_state_t), intent(inout) :: state
+      logical, intent(out) :: good
+
+      logical :: any_rest
+      real(wp), allocatable :: f(:, :), t(:, :)
+
+      f = state%f
+      t = state%t
+      call look_leads(model, h, final, active, 1, model%n_lead, state)
+      associate (self => state%compliant)
+         if (self%any_damper) then
+            call damper_rows(model, h, state, self, any_rest)
+            if (any_rest) then
+               call add_rests(model, state, self)
+               call look_leads(model, h, final, active, 1, model%n_lead, state)
+               state%f = f
+               state%t = t
+            end if
+         end if
+         call velocity_sides(model, h, state, self, .false.)
+         call assemble(model, state, active, .true., self, good)
+         self%factored = .not. self%any_damper
+         call solve_rows(model, state, .true., self)
+         call velocity_forces(model, self)
+         call put_forces(model, .false., self, state)
+         call kick_leads(model, h, final, active, 1, model%n_lead, state)
+         call count_work(SECOND_HALF, state)
+         state%f = f
+         state%t = t
+         call estimate_error(model, h, state, self)
+      end associate
+   end subroutine velocity_stage
+
+   !> Right-hand sides of the velocity stage, for the velocities of the poses
+   subroutine velocity_sides(model, h, state, self, at_rest)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_t), intent(inout) :: self
+      logical, intent(in) :: at_rest             !! without forces of implicit rows
+
+      real(wp) :: rate(BLOCK, 6)
+      integer :: b, at, from, n
+
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1) + 1
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            call rates(model%batch(b), ALL_DOFS, state%poses%v, state%poses%w, from, n, &
+               self%joint(b)%block(at)%b, rate)
+            call velocity_side(n, h, at_rest, state%joint(b)%block(at)%q, rate, &
+               self%joint(b)%block(at))
+         end do
+      end do
+   end subroutine velocity_sides
+
+   !> Multipliers of the velocity stage from its solution
+   subroutine velocity_forces(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(inout) :: self
+
+      real(wp) :: rate(BLOCK, 6)
+      integer :: b, at, from, n
+
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            from = BLOCK*(at - 1) + 1
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            call rates(model%batch(b), ALL_DOFS, self%y, self%turn, from, n, &
+               self%joint(b)%block(at)%b, rate)
+            call velocity_force(n, rate, self%joint(b)%block(at))
+         end do
+      end do
+   end subroutine velocity_forces
+
+   !> h/6 |v1 - 2 v+ + v(n)|, and the same of J^-1 L; the largest of the bodies
+   subroutine estimate_error(model, h, state, self)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(inout) :: self
+
+      real(wp) :: way, turn
+      integer :: i
+
+      ! L1 - 2 L+ + L(n) as if it were an angular momentum
+      self%turn = state%l - 2.0_wp*self%start%l_half + self%start%l
+      call spin_velocity(model, state%poses%quat, self%turn, 1, model%n_lead, self%y)
+      way = 0.0_wp
+      turn = 0.0_wp
+      do i = 1, model%n_lead
+         if (self%partly(i)) then
+            if (.not. model%inverse_mass(i) > 0.0_wp .and. &
+               .not. model%inverse_inertia(i, 1) > 0.0_wp) cycle
+         end if
+         way = max(way, sum((state%v(i, :) - 2.0_wp*self%start%v_half(i, :) + &
+            self%start%v(i, :))**2))
+         turn = max(turn, sum(self%y(i, :)**2))
+      end do
+      self%e_way = h/6.0_wp*sqrt(way)
+      self%e_turn = h/6.0_wp*sqrt(turn)
+      self%y = 0.0_wp
+      self%turn = 0.0_wp
+   end subroutine estimate_error
+
+   !> Remember the leads at the start of a step
+   subroutine keep(model, state)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+
+      associate (then => state%compliant%start, n => model%n_lead)
+         then%x(:n, :) = state%poses%x
+         then%d(:n, :) = state%poses%d
+         then%quat(:n, :) = state%poses%quat
+         then%v(:n, :) = state%v
+         then%l(:n, :) = state%l
+         then%f(:n, :) = state%f
+         then%t(:n, :) = state%t
+         then%own_f(:, :) = state%own_f
+         then%own_t(:, :) = state%own_t
+         then%impulse(:, :) = state%impulse
+         then%angular_impulse(:, :) = state%angular_impulse
+      end associate
+   end subroutine keep
+
+   !> Bring them back
+   subroutine restore(model, state)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+
+      associate (then => state%compliant%start, n => model%n_lead)
+         state%poses%x(:n, :) = then%x
+         state%poses%d(:n, :) = then%d
+         state%poses%quat(:n, :) = then%quat
+         state%v(:n, :) = then%v
+         state%l(:n, :) = then%l
+         state%f(:n, :) = then%f
+         state%t(:n, :) = then%t
+         state%own_f(:, :) = then%own_f
+         state%own_t(:, :) = then%own_t
+         state%impulse(:, :) = then%impulse
+         state%angular_impulse(:, :) = then%angular_impulse
+      end associate
+   end subroutine restore
+
+   !> Multipliers f of the step that would follow, for the forces of the present time; the state
+   !> stays
+   subroutine look_ahead(model, h, state)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+
+      real(wp) :: mean(size(model%motion)), final(size(model%motion))
+      logical :: active(size(model%motion)), good
+
+      if (state%compliant%known == state%cycle) return
+      call motion_targets(model, state, h, mean, final, active)
+      call position_stage(model, h, mean, active, state, good)
+      call restore(model, state)
+      if (.not. good) return
+      state%compliant%known = state%cycle
+      state%compliant%h_known = h
+   end subroutine look_ahead
+
+end module kj_consistent_compliant_step

@@ -1,0 +1,113 @@
+!> What the integrator `compliant` keeps: multipliers of the joints, the sparse matrix of the
+!> bodies, and the poses that a step starts from.
+!> Source: docs/theory/compliant.md.
+module kj_consistent_compliant_types
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_consistent_batch, only: matrix_t
+   implicit none
+   private
+
+   public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, leads_then_t, &
+      compliant_t, coefficients_t
+
+   !> A block of joints. Rows that are not implicit have weight 0.
+   type :: compliant_block_t
+      sequence
+      real(wp) :: k(BLOCK, 6) = 0.0_wp           !! stiffness and damping of implicit rows
+      real(wp) :: c(BLOCK, 6) = 0.0_wp
+      real(wp) :: most(BLOCK, 6) = 0.0_wp        !! k, but no more than the step can see
+      real(wp) :: kappa(BLOCK, 6) = 0.0_wp       !! h/(h k + c)
+      real(wp) :: phi(BLOCK, 6) = 0.0_wp         !! c/(h k + c)
+      real(wp) :: weight(BLOCK, 6) = 0.0_wp      !! h/2 (h k + c)
+      real(wp) :: damp(BLOCK, 6) = 0.0_wp        !! h/2 c of explicit rows with dampers
+      real(wp) :: f(BLOCK, 6) = 0.0_wp           !! multipliers of the position stage
+      real(wp) :: f_last(BLOCK, 6) = 0.0_wp      !! that of the last step
+      real(wp) :: f_before(BLOCK, 6) = 0.0_wp    !! that of the step before
+      real(wp) :: g(BLOCK, 6) = 0.0_wp           !! multipliers of the velocity stage
+      real(wp) :: rest(BLOCK, 6) = 0.0_wp        !! forces of dampers beside their rows
+      real(wp) :: r(BLOCK, 6) = 0.0_wp           !! work space: residual, right-hand side
+      real(wp) :: q0(BLOCK, 6) = 0.0_wp          !! what a locked coordinate counts from
+      real(wp) :: elastic(BLOCK) = 0.0_wp        !! energy in implicit rows
+      real(wp) :: q(BLOCK, 6) = 0.0_wp           !! coordinates of the pose that is tried
+      type(matrix_t) :: b                        !! and its B
+      !> moments on body 1 of unit moments of springs, three free rotations
+      real(wp) :: rot(BLOCK, 9) = 0.0_wp
+   end type compliant_block_t
+
+   !> The joints of a batch
+   type :: compliant_joint_t
+      type(compliant_block_t), allocatable :: block(:)
+   end type compliant_joint_t
+
+   !> Coefficients of a block of joints in the matrix of the bodies, sums over rows k of weight
+   !> times row times row; rows of end 1 are (-f, -c), of end 2 (f, -m), see
+   !> kj_consistent_compliance
+   type :: coefficients_t
+      sequence
+      real(wp) :: ff(BLOCK, 9), fc(BLOCK, 9), cc(BLOCK, 9), fm(BLOCK, 9), mm(BLOCK, 9), &
+         mc(BLOCK, 9), tt(BLOCK, 9)
+   end type coefficients_t
+
+   !> Where the blocks of the Cholesky factor stand. Columns are bodies in the order of elimination.
+   type :: pattern_t
+      integer :: n = 0                           !! moving bodies that joints hold
+      integer, allocatable :: column(:)          !! (n_lead) of each lead, 0 = none
+      integer, allocatable :: lead(:)            !! (n) of each column
+      integer, allocatable :: first(:)           !! (n + 1) first block below each diagonal
+      integer, allocatable :: row(:)             !! (blocks) column that the row belongs to
+      integer, allocatable :: update(:)          !! where products of blocks of a column go
+      integer, allocatable :: first_update(:)    !! (n + 1)
+      integer, allocatable :: place(:)           !! (n_element) block of each joint, 0 = none
+   end type pattern_t
+
+   !> The matrix of the bodies and its factor
+   type :: factor_t
+      real(wp), allocatable :: diagonal(:, :, :) !! (6, 6, n)
+      real(wp), allocatable :: below(:, :, :)    !! (6, 6, blocks)
+      real(wp), allocatable :: x(:, :)           !! (6, n) right-hand side and solution
+   end type factor_t
+
+   !> Leads at the start of a step
+   type :: leads_then_t
+      real(wp), allocatable :: x(:, :), d(:, :), quat(:, :), v(:, :), l(:, :)
+      real(wp), allocatable :: f(:, :), t(:, :), own_f(:, :), own_t(:, :)
+      real(wp), allocatable :: impulse(:, :), angular_impulse(:, :)
+      !> (n_lead, 3) velocities and angular momentum of the half step
+      real(wp), allocatable :: v_half(:, :), w_half(:, :), l_half(:, :)
+   end type leads_then_t
+
+   !> All of it
+   type :: compliant_t
+      logical :: rigid = .false.                 !! Kn = infinity
+      type(compliant_joint_t), allocatable :: joint(:)
+      type(pattern_t) :: pattern
+      type(factor_t) :: factor
+      type(leads_then_t) :: start
+      real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities
+      real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element) of constraints
+      logical, allocatable :: rowed(:)           !! (batches) some rows are implicit or have dampers
+      logical, allocatable :: sprung(:)          !! (batches) some rows are explicit and have forces
+      logical, allocatable :: explicit(:, :)     !! (6, batches) rows that are not implicit
+      logical, allocatable :: damped(:)          !! (batches) some explicit row has a damper
+      logical, allocatable :: partly(:)          !! (n_lead) some directions held
+      !> (3, 3, 2, n_lead) projector on the free directions of these, translations and rotations
+      real(wp), allocatable :: free(:, :, :, :)
+      logical :: factored = .false.              !! the matrix of position stages is there
+      logical :: any_damper = .false.            !! rows of dampers: the stages differ
+      real(wp) :: h_factor = 0.0_wp              !! step of it
+      real(wp) :: h_last = 0.0_wp                !! last step, 0 = none
+      integer :: known = -1                      !! cycle whose f is converged already
+      real(wp) :: h_known = 0.0_wp               !! for this step
+      integer :: renewed = 0                     !! steps since stiffness was bounded
+      integer :: jump = 0                        !! steps since a start or jump
+      real(wp) :: size = 0.0_wp                  !! of the scene
+      real(wp) :: e_way = 0.0_wp, e_turn = 0.0_wp   !! estimated error of the last step
+      integer :: passes = 0                      !! of the last step
+      integer :: joint_worst = 0                 !! that did not converge, index among all
+      logical :: failed = .false.                !! steps came to an end
+      real(wp) :: loss = 0.0_wp                  !! kinetic energy that the start took
+      real(wp) :: kinetic = 0.0_wp               !! that there was before
+   end type compliant_t
+
+end module kj_consistent_compliant_types
