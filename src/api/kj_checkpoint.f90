@@ -124,6 +124,7 @@ contains
       fixed%integrator = options%integrator
       fixed%dt_rule = options%dt_rule
       fixed%kn_scale = options%kn_scale
+      fixed%kn = options%kn
       fixed%islands = options%islands
       fixed%ignore_unsupported = options%ignore_unsupported
       call write_run_options(fixed, head%options)

@@ -12,6 +12,7 @@ module kj_consistent_archive
    use kj_consistent_impact_step, only: contact_t
    use kj_consistent_state, only: consistent_state_t, kept_t
    use kj_consistent_march, only: march_t
+   use kj_consistent_compliant_archive, only: keep_compliant, keep_pace
    implicit none
    private
 
@@ -60,6 +61,7 @@ contains
       do i = 1, size(state%field)
          call keep_gravity(self, state%field(i))
       end do
+      call keep_compliant(self, state%compliant)
       call keep(self, state%work)
       call keep(self, state%by_steps)
       call keep(self, state%s0)
@@ -132,6 +134,8 @@ contains
       call keep(self, march%joint)
       call keep_bound(self, march%bound)
       call keep_contact(self, march%contact)
+      call keep_pace(self, march%pace)
+      call keep_bound(self, march%pace%bound)
       call keep(self, march%t_end)
       call keep(self, march%h)
       call keep(self, march%left)

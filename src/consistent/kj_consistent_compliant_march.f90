@@ -35,7 +35,6 @@ module kj_consistent_compliant_march
       integer :: owner = 0                       !! joint that holds it, index among all
       real(wp) :: span = 0.0_wp                  !! time that the error is spread over
       real(wp), allocatable :: event(:)          !! times that steps end on, ascending
-      integer :: next = 1                        !! of them
       real(wp) :: target = -1.0_wp               !! time that equal steps lead to
       real(wp) :: h = 0.0_wp
       integer :: left = 0                        !! of these steps
@@ -107,7 +106,6 @@ contains
          t(k + 1) = now
       end do
       self%event = t
-      self%next = 1
    end subroutine list_events
 
    !> The longest step now

@@ -93,6 +93,13 @@ contains
       self%factor = factor
       self%most = most
       self%left = 0
+      if (self%integrator == COMPLIANT) then
+         self%pace%most = most
+         self%pace%left = 0
+         self%pace%limit = min(self%pace%limit, most)
+         self%limit = self%pace%limit
+         return
+      end if
       call take_limit(model, state, self)
    end subroutine change_limits
 

@@ -1,0 +1,80 @@
+!> The state of the integrator `compliant` in a checkpoint. What a step finds anew is left out: the
+!> matrix, the leads at the start of a step.
+module kj_consistent_compliant_archive
+   use, intrinsic :: iso_c_binding, only: c_loc
+   use, intrinsic :: iso_fortran_env, only: int64
+   use kj_archive, only: archive_t, keep, keep_bytes
+   use kj_consistent_compliant_types, only: compliant_t, compliant_block_t
+   use kj_consistent_compliant_march, only: pace_t
+   implicit none
+   private
+
+   public :: keep_compliant, keep_pace
+
+contains
+
+   !> Multipliers and rows of the joints, and what the next step goes on with
+   subroutine keep_compliant(self, state)
+      type(archive_t), intent(inout) :: self
+      type(compliant_t), allocatable, intent(inout) :: state
+
+      integer :: b, at
+
+      if (.not. allocated(state)) return
+      do b = 1, size(state%joint)
+         do at = 1, size(state%joint(b)%block)
+            call keep_block(self, state%joint(b)%block(at))
+         end do
+      end do
+      call keep(self, state%h_factor)
+      call keep(self, state%h_last)
+      call keep(self, state%known)
+      call keep(self, state%h_known)
+      call keep(self, state%renewed)
+      call keep(self, state%jump)
+      call keep(self, state%e_way)
+      call keep(self, state%e_turn)
+      call keep(self, state%passes)
+      call keep(self, state%joint_worst)
+      call keep(self, state%failed)
+      call keep(self, state%loss)
+      call keep(self, state%kinetic)
+      state%factored = .false.
+   end subroutine keep_compliant
+
+   subroutine keep_block(self, block)
+      type(archive_t), intent(inout) :: self
+      type(compliant_block_t), target, intent(inout) :: block
+
+      call keep_bytes(self, c_loc(block), storage_size(block, kind=int64)/8_int64)
+   end subroutine keep_block
+
+   !> Where the step control stands, but for its bound
+   subroutine keep_pace(self, pace)
+      type(archive_t), intent(inout) :: self
+      type(pace_t), intent(inout) :: pace
+
+      call keep(self, pace%rigid)
+      call keep(self, pace%tolerance)
+      call keep(self, pace%turn)
+      call keep(self, pace%factor)
+      call keep(self, pace%most)
+      call keep(self, pace%first)
+      call keep(self, pace%h_error)
+      call keep(self, pace%h_turn)
+      call keep(self, pace%h_bound)
+      call keep(self, pace%limit)
+      call keep(self, pace%owner)
+      call keep(self, pace%span)
+      call keep(self, pace%event)
+      call keep(self, pace%target)
+      call keep(self, pace%h)
+      call keep(self, pace%left)
+      call keep(self, pace%since)
+      call keep(self, pace%drift)
+      call keep(self, pace%failed)
+      call keep(self, pace%passes)
+      call keep(self, pace%halvings)
+   end subroutine keep_pace
+
+end module kj_consistent_compliant_archive
