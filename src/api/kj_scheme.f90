@@ -13,7 +13,8 @@ module kj_scheme
    use kj_legacy_step, only: find_accelerations, advance
    use kj_legacy_snapshot, only: show_legacy, show_legacy_clock
    use kj_legacy_inside, only: look_inside_legacy, legacy_stiffness
-   use kj_legacy_warnings, only: warn_legacy, warn_large_turn
+   use kj_legacy_cost, only: weigh_rotations
+   use kj_legacy_warnings, only: warn_legacy, warn_costs
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_consistent_impact_step, only: step_factor
@@ -415,6 +416,7 @@ contains
       if (self%shown) return
       if (self%legacy) then
          call show_legacy(model%model_t, self%cycles, self%now)
+         call weigh_rotations(model%model_t, self%cycles)
       else
          call show_consistent(model, self%march, self%state, self%part, self%now)
       end if
@@ -489,8 +491,7 @@ contains
       character(len=8) :: buffer
 
       if (self%legacy) then
-         if (self%cycles%turn_body > 0) call warn_large_turn(model, sqrt(self%cycles%turn2), &
-            self%cycles%turn_body, findings)
+         call warn_costs(model, self%cycles, findings)
       else if (self%now%loosest > LOOSE) then
          write (buffer, '(es8.1)') self%now%loosest
          call note(findings, SEV_WARNING, 'KJ-9216', 'the frame of joint '// &

@@ -191,6 +191,10 @@ module kj_message_joint
    message_t('KJ-9210', SEV_WARNING, 'legacy: functions of a joint where units differ', &
       'OpenRadioss multiplies the scale by M/T or 1/T once more and converts the abscissae by '// &
       'wrong factors.', 'Use the same input and work units, or run the consistent formulation.'), &
+   message_t('KJ-9212', SEV_WARNING, 'legacy: rotations that are summed', &
+      'The scheme sums the relative angular velocity of three free rotations. What comes out '// &
+      'depends on the path, and is over 0.01 rad from the rotation that there is.', &
+      'Run the consistent formulation; shorter steps do not help.'), &
    message_t('KJ-9216', SEV_WARNING, 'a joint frame is not rigid', &
       'The axes of a joint have turned against each other, or against the body that should '// &
       'carry them, by more than 1e-3 rad. The channel joint/orthogonality has it over time.', &

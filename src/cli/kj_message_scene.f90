@@ -204,10 +204,16 @@ module kj_message_scene
    message_t('KJ-9205', SEV_WARNING, 'legacy: two loads share a function', &
       'Of two concentrated loads in a row that use one function the scheme takes the value of '// &
       'the first for both.', 'Give each load its own function.'), &
-   message_t('KJ-9206', SEV_WARNING, 'legacy: a large turn in a step', &
-      'The scheme is first order in the spin and lets the nodes of a body drift outward.', &
+   message_t('KJ-9206', SEV_WARNING, 'legacy: the spin of a body is off', &
+      'The scheme takes the spin half a step old, which brings or takes energy in proportion '// &
+      'to the step: in this run over 1 % of the energy of rotation, or 0.05 rad of attitude.', &
       'Lower the time step, or run the consistent formulation.'), &
    message_t('KJ-9209', SEV_WARNING, 'legacy: the scale of a load over displacement or velocity', &
-      'OpenRadioss converts it as a time.', 'Use the same input and work units.')]
+      'OpenRadioss converts it as a time.', 'Use the same input and work units.'), &
+   message_t('KJ-9211', SEV_WARNING, 'legacy: a node drifts from its body', &
+      'The scheme moves nodes by velocities. With two of them at most the radius shrinks by '// &
+      'half the square of the angle of a step, from 1e-3 rad on; with more it grows by an '// &
+      'eighth of its fourth power. Here over 0.1 %.', &
+      'Lower the step, give the body a third secondary node, or run the consistent formulation.')]
 
 end module kj_message_scene

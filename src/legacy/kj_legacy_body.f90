@@ -232,32 +232,24 @@ contains
       end do
    end subroutine move_crew
 
-   !> Keep the largest turn in a step.
-   !>
    !> Errors: ERR_RUN when a body with more than two secondary nodes turned by over 1 rad.
    subroutine check_turns(model, state, error)
       type(model_t), intent(in) :: model
-      type(legacy_state_t), intent(inout) :: state
+      type(legacy_state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: turn2
       integer :: b, piece
 
       do piece = 1, size(state%fastest)
          ! conditions have made some slower since, none faster
-         if (state%h2**2*state%fastest(piece) <= min(state%turn2, 1.0_wp)) cycle
+         if (state%h2**2*state%fastest(piece) <= 1.0_wp) cycle
          do b = state%team%lead(1, piece), min(state%team%lead(2, piece), model%n_body)
-            turn2 = state%h2**2*(state%world%w(b, 1)**2 + state%world%w(b, 2)**2 + &
-               state%world%w(b, 3)**2)
-            if (turn2 > state%turn2) then
-               state%turn2 = turn2
-               state%turn_body = b
-            end if
-            if (turn2 > 1.0_wp .and. model%n_secondary(b) > 2) then
-               call fail(error, ERR_RUN, 'body '//str(model%body_id(b))// &
-                  ' turns by more than 1 rad in a step')
-               return
-            end if
+            if (model%n_secondary(b) <= 2) cycle
+            if (state%h2**2*(state%world%w(b, 1)**2 + state%world%w(b, 2)**2 + &
+               state%world%w(b, 3)**2) <= 1.0_wp) cycle
+            call fail(error, ERR_RUN, 'body '//str(model%body_id(b))// &
+               ' turns by more than 1 rad in a step')
+            return
          end do
       end do
    end subroutine check_turns

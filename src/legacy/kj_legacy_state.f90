@@ -39,9 +39,13 @@ module kj_legacy_state
       integer :: owner_kind = OWNER_NONE, owner = 0        !! who limits h2: index of lead or joint
       logical :: ended = .false.                          !! /DT/NODA/STOP acted
       logical :: sampling = .false.                       !! keep what only samples need
-      !> largest square of a turn in a step so far
-      real(wp) :: turn2 = 0.0_wp
-      integer :: turn_body = 0                            !! the body that made it
+      ! what its defects cost so far (kj_legacy_cost)
+      real(wp) :: weighed = 0.0_wp                         !! time of the last look at the spins
+      !> (n_body) energy that the spin half a step old brought, largest energy of rotation, and
+      !> error of attitude [rad]
+      real(wp), allocatable :: spin_gain(:), spin_top(:), spin_angle(:)
+      real(wp) :: summed_error = 0.0_wp                    !! of summed rotations [rad]
+      integer :: summed_joint = 0                          !! that has it, index among all
       ! nodes and leads
       type(team_t) :: team                                 !! pieces for the threads
       type(world_t) :: world                               !! x, w, skew axes
@@ -164,6 +168,7 @@ contains
          allocate (state%kn(n), state%kr(n), source=EPS20)
          allocate (state%impulse(nb, 3), state%angular_impulse(nb, 3), state%rotation_sum(nb, 3), &
             source=0.0_wp)
+         allocate (state%spin_gain(nb), state%spin_top(nb), state%spin_angle(nb), source=0.0_wp)
          allocate (state%bcs_of(n), source=0)
       end associate
       allocate (state%mass, source=model%mass)

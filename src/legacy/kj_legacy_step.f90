@@ -17,6 +17,7 @@ module kj_legacy_step
    use kj_legacy_body, only: solve_conditioned, move_leads, move_secondaries, check_turns
    use kj_legacy_time_step, only: choose_step
    use kj_legacy_auto_stiffness, only: set_blocking
+   use kj_legacy_cost, only: weigh_spins
    implicit none
    private
 
@@ -82,6 +83,7 @@ contains
       integer :: i
 
       call check_turns(model, state, error)
+      call weigh_spins(model, state)
       call for_leads(move, model, state)
       do i = 1, size(model%motion)
          state%motion_turn(i, :) = state%motion_turn(i, :) + &

@@ -4,17 +4,26 @@ module kj_legacy_warnings
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, add_finding, str, SEV_WARNING, ERR_INPUT
    use kj_joint_types, only: FRAME_FIRST, FRAME_CROSS, NDOF
-   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, has_friction, has_limits
+   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, has_friction, has_limits, &
+      is_spring
    use kj_curve, only: curve_set_t, law_value
    use kj_model, only: model_t, BY_TIME
+   use kj_legacy_state, only: legacy_state_t
+   use kj_legacy_cost, only: spin_cost, node_drift
    implicit none
    private
 
-   public :: warn_legacy, warn_large_turn
+   public :: warn_legacy, warn_costs
 
    !> Defects of joints, in the order of their warnings
    integer, parameter :: FIRST_SKEW = 1, UNIVERSAL = 2, FALLING = 3, BACKWARD = 4, SHARED = 5, &
       RUBBING = 6
+   ! Costs over a run that are worth a word
+   real(wp), parameter :: SPIN_GAIN = 0.01_wp      !! part of the energy of rotation
+   real(wp), parameter :: SPIN_ANGLE = 0.05_wp     !! error of attitude [rad]
+   real(wp), parameter :: DRIFT_MOST = 1.0e-3_wp   !! change of a distance, fraction
+   real(wp), parameter :: SUMMED_MOST = 0.01_wp    !! error of summed rotations [rad]
+
    character(len=7), parameter :: ID(6) = ['KJ-9201', 'KJ-9202', 'KJ-9203', 'KJ-9204', 'KJ-9207', &
       'KJ-9208']
 
@@ -155,24 +164,58 @@ contains
       end do
    end subroutine warn_shared_curves
 
-   !> After a run: a body turned so far in a step that the first-order gyroscopic term and the drift
-   !> of the nodes show
-   subroutine warn_large_turn(model, turn, body, findings)
+   !> After a run: what defects cost that act more or less with what the scene does
+   subroutine warn_costs(model, state, findings)
       type(model_t), intent(in) :: model
-      real(wp), intent(in) :: turn               !! largest turn in a step [rad]
-      integer, intent(in) :: body                !! index of the body
+      type(legacy_state_t), intent(in) :: state
       type(finding_list_t), intent(inout) :: findings
 
-      character(len=8) :: buffer
+      real(wp) :: gain, angle, drift
+      integer :: at
 
-      if (turn < 0.02_wp) return
-      write (buffer, '(f8.3)') turn
-      if (turn >= 1.0e3_wp) write (buffer, '(es8.1)') turn
-      call warn(findings, 'KJ-9206', 'rigid body '//str(model%body_id(body))//' turns by '// &
-         trim(adjustl(buffer))// &
-         ' rad in a step: the legacy scheme is first order in the spin, and its '// &
-         'nodes drift outward')
-   end subroutine warn_large_turn
+      call spin_cost(state, at, gain, angle)
+      if (abs(gain) > SPIN_GAIN .or. angle > SPIN_ANGLE) call warn(findings, 'KJ-9206', &
+         'rigid body '//str(model%body_id(at))//': its spin, which the legacy scheme takes '// &
+         'half a step old, has changed its energy of rotation by '// &
+         trim(number(100.0_wp*gain))//' %, and its attitude by about '// &
+         trim(number(angle))//' rad')
+      call node_drift(model, state, at, drift)
+      if (abs(drift) > DRIFT_MOST) call warn(findings, 'KJ-9211', 'node '// &
+         str(model%node_id(at))//' is now '//trim(number(100.0_wp*abs(drift)))//' % '// &
+         trim(merge('further from', 'nearer to   ', drift > 0.0_wp))// &
+         ' the main node of rigid body '//str(model%body_id(model%lead(at)))// &
+         ' than at the start: the legacy scheme lets nodes of turning bodies drift')
+      if (state%summed_error > SUMMED_MOST) call warn(findings, 'KJ-9212', &
+         trim(element_name(model, state%summed_joint))//': the rotations that the legacy '// &
+         'scheme sums are up to '//trim(number(state%summed_error))//' rad from the true ones, '// &
+         'as they depend on the path; springs, stops and friction follow them')
+   end subroutine warn_costs
+
+   !> "joint 900" or "spring 900", by index among all elements of the batches
+   pure function element_name(model, at) result(text)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: at
+      character(len=20) :: text
+
+      integer :: j
+
+      text = ''
+      do j = 1, size(model%joint)
+         if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
+         text = 'joint '//str(model%joint(j)%id)
+         if (is_spring(model%batch(model%joint(j)%batch))) text = 'spring '//str(model%joint(j)%id)
+      end do
+   end function element_name
+
+   !> A number in as many columns as it takes to read it
+   pure function number(x) result(text)
+      real(wp), intent(in) :: x
+      character(len=10) :: text
+
+      write (text, '(f10.3)') x
+      if (abs(x) >= 1.0e3_wp .or. abs(x) < 1.0e-2_wp) write (text, '(es10.1)') x
+      text = adjustl(text)
+   end function number
 
    subroutine warn(findings, id, message)
       type(finding_list_t), intent(inout) :: findings
