@@ -12,7 +12,7 @@ module kj_units
       D_FORCE = 6, D_MOMENT = 7, D_STIFFNESS = 8, D_ROT_STIFFNESS = 9, D_DAMPING = 10, &
       D_ROT_DAMPING = 11, D_VELOCITY = 12, D_ANGULAR_VELOCITY = 13, D_ACCELERATION = 14, &
       D_ANGULAR_ACCELERATION = 15, D_ENERGY = 16, D_ANGLE = 17, D_MOMENTUM = 18, &
-      D_ANGULAR_MOMENTUM = 19
+      D_ANGULAR_MOMENTUM = 19, D_DENSITY = 20, D_AREA_DENSITY = 21
 
    !> A row of the table
    type :: dimension_t
@@ -41,7 +41,9 @@ module kj_units
       dimension_t('energy',               [1, 2, -2], .false.), &
       dimension_t('angle',                [0, 0, 0],  .true.),  &
       dimension_t('momentum',             [1, 1, -1], .false.), &
-      dimension_t('angular momentum',     [1, 2, -1], .false.)]
+      dimension_t('angular momentum',     [1, 2, -1], .false.), &
+      dimension_t('density',              [1, -3, 0], .false.), &
+      dimension_t('mass of an area',      [1, -2, 0], .false.)]
 
    !> A triple of base units; si is NaN where a file does not say its units, and the symbols are
    !> words for them

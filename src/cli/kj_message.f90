@@ -4,6 +4,7 @@ module kj_message
    use kj_message_text, only: message_t, text_messages
    use kj_message_scene, only: scene_messages
    use kj_message_joint, only: joint_messages
+   use kj_message_full, only: full_messages
    implicit none
    private
 
@@ -11,7 +12,7 @@ module kj_message
 
    !> All messages, ascending within each subject
    type(message_t), parameter, public :: messages(*) = [text_messages, scene_messages, &
-      joint_messages]
+      joint_messages, full_messages]
 
 contains
 

@@ -4,46 +4,22 @@
 module kj_card_fields
    use kj_units, only: D_DAMPING, D_FORCE, D_INERTIA, D_LENGTH, D_MASS, D_NUMBER, D_ROT_DAMPING, &
       D_ROT_STIFFNESS, D_STIFFNESS, D_VELOCITY, D_ACCELERATION, D_ANGULAR_VELOCITY, D_TIME, D_MOMENT
-   use kj_keywords, only: KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_RBODY, KW_BEGIN, &
-      KW_UNIT, KW_NODE, KW_PART, KW_SPRING, KW_MAT_VOID, KW_GRNOD_NODE, KW_GRNOD_NODENS, &
-      KW_GRNOD_GRNOD, KW_GRNOD_GENE, KW_GRNOD_GEN_INCR, KW_GRNOD_PART, KW_GRNOD_BOX, KW_BOX_RECTA, &
-      KW_SET_GENERAL, KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, &
-      KW_FRAME_MOV2, KW_FRAME_NOD, KW_FUNCT, KW_MOVE_FUNCT, KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, &
-      KW_IMPDISP, KW_IMPACC, KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS, KW_ADMAS, &
-      KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, KW_TH_PART, KW_ANALY, KW_RANDOM, &
-      N_KEYWORD
+   use kj_keywords, only: KW_ANALY, KW_BCS, KW_BEGIN, KW_BOX_RECTA, KW_CLOAD, KW_FRAME_FIX, &
+      KW_FRAME_MOV, KW_FRAME_MOV2, KW_FRAME_NOD, KW_FUNCT, KW_GRAV, KW_GRNOD_BOX, KW_GRNOD_GENE, &
+      KW_GRNOD_GEN_INCR, KW_GRNOD_GRNOD, KW_GRNOD_NODE, KW_GRNOD_NODENS, KW_GRNOD_PART, &
+      KW_IMPACC, KW_IMPDISP, KW_IMPVEL, KW_INIVEL_AXIS, KW_INIVEL_ROT, KW_INIVEL_TG, &
+      KW_INIVEL_TRA, KW_KJOINT, KW_KJOINT2, KW_MAT_VOID, KW_MOVE_FUNCT, KW_NODE, KW_PART, &
+      KW_RANDOM, KW_RBODY, KW_SENSOR_TIME, KW_SET_GENERAL, KW_SKEW_FIX, KW_SKEW_MOV, &
+      KW_SKEW_MOV2, KW_SPRING, KW_SPRING4, KW_SPRING8, KW_TH_NODE, KW_TH_PART, KW_TH_RBODY, &
+      KW_TH_SPRING, KW_UNIT, N_KEYWORD
+   use kj_field, only: field_t, EACH, ONCE, ROWS, DOFS, IDS, PAIRS, TRIPLES, NAMES, CLAUSES
+   use kj_full_fields, only: full_fields
    use kj_joint_types, only: joint_types, find_joint_type, NDOF
    implicit none
    private
 
-   public :: field_t, field_range, list_free_dofs, rotational, has_variant
-
-   !> How often a card stands in a block
-   integer, parameter, public :: &
-      ONCE = 1, &       !! once
-      ROWS = 2, &       !! up to the end of the block
-      DOFS = 3, &       !! cards 2, 3, ... once for each direction: K becomes K_tx, K_ty, ...
-      IDS = 4, &        !! ids of ten columns each, to the end of the block
-      PAIRS = 5, &      !! as IDS, two belong together
-      TRIPLES = 6, &    !! as IDS, three on a card belong together
-      NAMES = 7, &      !! names of ten columns each, up to the first card with a number
-      CLAUSES = 8       !! a word and ids, to the end of the block
-
-   integer, parameter, public :: EACH = -1   !! fields that all variants of a keyword have
-
-   !> A row of the tables of fields. Cards are counted without the title.
-   type :: field_t
-      integer           :: keyword       !! owner, KW_ constant
-      integer           :: variant       !! EACH, joint type (KJOINT) or type in the header (ADMAS)
-      integer           :: card          !! card number inside the block
-      integer           :: times         !! ONCE, ROWS, ...
-      integer           :: first, last   !! columns, 1-based, inclusive
-      character(len=12) :: name
-      character(len=1)  :: kind          !! i integer, r real, a text
-      integer           :: dim           !! D_ constant: unit conversion
-      integer           :: since         !! first format version that has the field
-      character(len=48) :: meaning
-   end type field_t
+   public :: field_t, field_range, list_free_dofs, rotational, has_variant, EACH, ONCE, ROWS, DOFS, &
+      IDS, PAIRS, TRIPLES, NAMES, CLAUSES
 
    !> /PROP/TYPE33 = /PROP/KJOINT; the variant is the joint type
    type(field_t), parameter :: joint_fields(*) = [ &
@@ -419,12 +395,6 @@ module kj_card_fields
    field_t(KW_INIVEL_AXIS, EACH, 2, ONCE,  61,  80, 'Vr',       'r', D_ANGULAR_VELOCITY, 0, 'angular velocity'), &
    field_t(KW_INIVEL_AXIS, EACH, 3, ONCE,   1,  20, 'Tstart',   'r', D_TIME,             2025, 'start'), &
    field_t(KW_INIVEL_AXIS, EACH, 3, ONCE,  21,  30, 'sens_id',  'i', D_NUMBER,           2025, 'starting sensor'), &
-   field_t(KW_ADMAS,       0, 1, ONCE,   1,  20, 'mass',     'r', D_MASS,             0, 'mass on each node'), &
-   field_t(KW_ADMAS,       0, 1, ONCE,  21,  30, 'grnod_id', 'i', D_NUMBER,           0, 'group of nodes'), &
-   field_t(KW_ADMAS,       1, 1, ONCE,   1,  20, 'mass',     'r', D_MASS,             0, 'mass shared by the nodes'), &
-   field_t(KW_ADMAS,       1, 1, ONCE,  21,  30, 'grnod_id', 'i', D_NUMBER,           0, 'group of nodes'), &
-   field_t(KW_ADMAS,       5, 1, ROWS,   1,  20, 'mass',     'r', D_MASS,             0, 'mass'), &
-   field_t(KW_ADMAS,       5, 1, ROWS,  21,  30, 'node_id',  'i', D_NUMBER,           0, 'node'), &
    field_t(KW_SENSOR_TIME, EACH, 1, ONCE,   1,  20, 'Tdelay',   'r', D_TIME,             0, 'start'), &
    field_t(KW_SENSOR_TIME, EACH, 2, ONCE,   1,  20, 'Tstop',    'r', D_TIME,             2023, 'end, 0 = never'), &
    field_t(KW_TH_NODE,     EACH, 1, NAMES,  1, 100, 'variable', 'a', D_NUMBER,           0, 'names, as DEF'), &
@@ -446,7 +416,7 @@ module kj_card_fields
 
    !> All fields; those of one keyword stand together
    type(field_t), parameter, public :: fields(*) = &
-      [joint_fields, property_fields, scene_fields, load_fields]
+      [joint_fields, property_fields, scene_fields, load_fields, full_fields]
 
 contains
 

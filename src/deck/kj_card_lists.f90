@@ -10,7 +10,7 @@ module kj_card_lists
    implicit none
    private
 
-   public :: ids_t, clauses_t, read_ids, read_clauses, report_id, th_t, read_th
+   public :: ids_t, clauses_t, read_ids, read_id_lines, read_clauses, report_id, th_t, read_th
 
    integer, parameter :: WIDTH = 10             !! columns of an id
    integer, parameter :: FIRST_COLUMN(10) = [1, 11, 21, 31, 41, 51, 61, 71, 81, 91]

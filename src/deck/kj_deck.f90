@@ -9,6 +9,8 @@ module kj_deck
    use kj_card_fields, only: field_range
    use kj_deck_text, only: deck_t, report_file, report_header, mute_block, report_line
    use kj_deck_scan, only: scan_deck
+   use kj_deck_flat, only: flatten_deck
+   use kj_parameter, only: setting_t
    use kj_cards, only: cards_t, read_cards, int_of, text_of, report
    use kj_number, only: parse_real, NUMBER_FINE
    implicit none
@@ -70,19 +72,22 @@ contains
    !>
    !> Never stops at a finding. deck%readable is .false. when there is no sense in going on.
    !> Errors: findings with code ERR_FILE when a file cannot be read, else ERR_INPUT.
-   subroutine read_deck(path, deck, ignore_unsupported)
+   subroutine read_deck(path, deck, lenient, full, settings)
       character(len=*), intent(in) :: path
       type(deck_t), intent(inout) :: deck      !! a new one; what is found joins its findings
-      logical, intent(in), optional :: ignore_unsupported  !! unknown keywords only warn; .false.
+      logical, intent(in), optional :: lenient   !! what is out of scope is left out; .false.
+      logical, intent(in), optional :: full      !! the mechanism will be taken out of it; .false.
+      type(setting_t), intent(in), optional :: settings(:)   !! parameters from outside
 
-      logical :: ignore
-
-      ignore = .false.
-      if (present(ignore_unsupported)) ignore = ignore_unsupported
+      if (present(full)) deck%full = full
+      deck%lenient = deck%full
+      if (present(lenient)) deck%lenient = deck%lenient .or. lenient
       call field_range(deck%field_first, deck%field_last)
-      call scan_deck(path, deck, ignore)
+      call scan_deck(path, deck)
       if (.not. deck%readable) return
       call read_begin(deck)
+      if (present(settings)) call flatten_deck(deck, settings)
+      if (.not. present(settings)) call flatten_deck(deck, [setting_t ::])
       call read_local_units(deck)
       call check_unit_ids(deck)
       call check_layouts(deck)

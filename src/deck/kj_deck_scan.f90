@@ -1,9 +1,10 @@
 !> Files -> lines -> blocks. Follows #include, leaves comments out, knows the keywords.
 module kj_deck_scan
    use kj_error, only: SEV_ERROR, SEV_WARNING, add_at
-   use kj_keywords, only: keywords, READ_IT, KW_END
+   use kj_keywords, only: keywords, READ_IT, KW_END, KW_SUBMODEL, KW_ENDSUB
    use kj_spelling, only: upper
-   use kj_deck_text, only: deck_t, source_t, block_t, add_deck_finding, line_text, report_line, &
+   use kj_deck_text, only: deck_t, source_t, block_t, submodel_t, add_deck_finding, line_text, &
+      report_line, &
       add_line, load_source, next_line, folder_of, add_file_finding
    use kj_header, only: read_heading
    implicit none
@@ -21,6 +22,7 @@ module kj_deck_scan
       logical :: ended = .false.                !! /END was read
       logical :: stray = .false.                !! lines without a header were reported
       integer :: severity = SEV_ERROR           !! of a keyword that is not supported
+      integer :: submodel = 0                   !! index in the deck, 0 = none
       integer :: depth = 0                      !! files open
       integer :: open(DEEPEST) = 0              !! their index in the deck
       character(len=:), allocatable :: folder   !! of the first file: includes start there
@@ -31,18 +33,17 @@ contains
    !> Read a deck and all it includes, and find its blocks
    !>
    !> Errors: findings with code ERR_FILE when a file cannot be read, else ERR_INPUT.
-   subroutine scan_deck(path, deck, ignore_unsupported)
+   subroutine scan_deck(path, deck)
       character(len=*), intent(in) :: path
       type(deck_t), intent(inout) :: deck
-      logical, intent(in) :: ignore_unsupported !! unknown and unsupported keywords only warn
 
       type(scan_t) :: scan
       type(source_t) :: source
       character(len=:), allocatable :: problem
 
-      if (ignore_unsupported) scan%severity = SEV_WARNING
+      if (deck%lenient) scan%severity = SEV_WARNING
       scan%folder = folder_of(path)
-      allocate (deck%source(4), deck%block(64))
+      allocate (deck%source(4), deck%block(64), deck%submodel(0))
       call load_source(path, 'starter', source, problem)
       if (len(problem) > 0) then
          call add_file_finding('KJ-9030', 'the deck cannot be read: '//problem, path, 0, '', 0, 0, &
@@ -52,6 +53,9 @@ contains
       end if
       call scan_source(source, deck, scan)
       call close_block(deck, scan)
+      if (scan%submodel > 0) call report_line(deck, &
+         deck%block(deck%submodel(scan%submodel)%block)%header, SEV_WARNING, 'KJ-9401', &
+         'the submodel has no end', 'taken to the end of the deck', 'expected: //ENDSUB')
    end subroutine scan_deck
 
    !> Append a file to the deck and scan its lines
@@ -107,6 +111,8 @@ contains
          case ('/')
             if (i == first .or. .not. scan%title_due) then
                call close_block(deck, scan)
+               scan%ended = is_engine(deck%source(s)%text(i:last))
+               if (scan%ended) return
                call add_line(deck, s, number, first, last)
                call open_block(deck, i - first, scan)
                return
@@ -149,6 +155,13 @@ contains
       scan%ended = .true.
    end subroutine refuse_stars
 
+   !> The engine part of a deck in one file begins here
+   pure logical function is_engine(text)
+      character(len=*), intent(in) :: text
+
+      is_engine = text == '/RUN' .or. index(text, '/RUN/') == 1
+   end function is_engine
+
    !> Start a block with the last line of the deck as its header
    subroutine open_block(deck, indent, scan)
       type(deck_t), intent(inout) :: deck
@@ -166,11 +179,47 @@ contains
       if (block%row > 0) scan%title_due = keywords(block%row)%titled
       if (deck%n_block == size(deck%block)) call lengthen_blocks(deck%block)
       deck%n_block = deck%n_block + 1
+      block%submodel = scan%submodel
+      if (block%keyword == KW_SUBMODEL) call enter_submodel(deck, scan, block%id)
       deck%block(deck%n_block) = block
+      if (block%keyword == KW_ENDSUB) call leave_submodel(deck, line, scan)
       scan%in_block = .true.
       scan%stray = .false.
       if (block%keyword == KW_END) call end_deck(deck, line, scan)
    end subroutine open_block
+
+   !> //SUBMODEL: the blocks from here on are its own
+   subroutine enter_submodel(deck, scan, id)
+      type(deck_t), intent(inout) :: deck
+      type(scan_t), intent(inout) :: scan
+      integer, intent(in) :: id
+
+      type(submodel_t), allocatable :: longer(:)
+
+      allocate (longer(deck%n_submodel + 1))
+      longer(:deck%n_submodel) = deck%submodel
+      call move_alloc(longer, deck%submodel)
+      deck%n_submodel = deck%n_submodel + 1
+      associate (s => deck%submodel(deck%n_submodel))
+         s%id = id
+         s%parent = scan%submodel
+         s%block = deck%n_block
+      end associate
+      scan%submodel = deck%n_submodel
+   end subroutine enter_submodel
+
+   subroutine leave_submodel(deck, line, scan)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: line
+      type(scan_t), intent(inout) :: scan
+
+      if (scan%submodel == 0) then
+         call report_line(deck, line, SEV_WARNING, 'KJ-9402', '//ENDSUB without a //SUBMODEL', &
+            'ignored')
+      else
+         scan%submodel = deck%submodel(scan%submodel)%parent
+      end if
+   end subroutine leave_submodel
 
    !> /END: stop here; in an included file, only that file ends
    subroutine end_deck(deck, line, scan)

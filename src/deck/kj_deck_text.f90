@@ -12,16 +12,26 @@ module kj_deck_text
    implicit none
    private
 
-   public :: source_t, block_t, deck_t, line_text, place_of, title_of, first_card, block_factors, &
-      add_deck_finding, report_file, report_header, report_line, header_end, lengthen, mute_block, &
-      add_line, load_source, next_line, folder_of, add_file_finding
+   public :: source_t, block_t, deck_t, submodel_t, id_shift, line_text, place_of, title_of, &
+      first_card, block_factors, add_deck_finding, report_file, report_header, report_line, &
+      header_end, lengthen, mute_block, add_line, load_source, next_line, folder_of, &
+      add_file_finding
 
    !> A file in memory
    type :: source_t
       character(len=:), allocatable :: path     !! as the user or the #include named it
       character(len=:), allocatable :: text     !! all bytes of the file
-      character(len=8) :: role = 'starter'      !! starter, engine or include
+      character(len=8) :: role = 'starter'      !! starter, engine, include, flat (made of others)
+      integer :: used = 0                       !! flat: bytes in use
    end type source_t
+
+   !> A //SUBMODEL: its blocks have ids that count from its offsets
+   type :: submodel_t
+      integer :: id = 0                         !! as others name it
+      integer :: parent = 0                     !! the submodel around it, 0 = none
+      integer :: block = 0                      !! of the deck
+      integer :: shift(0:6) = 0                 !! of ids: 0 in general, then OF_NODE to OF_SUBMODEL
+   end type submodel_t
 
    !> A header and the lines up to the next one
    type :: block_t
@@ -30,6 +40,7 @@ module kj_deck_text
       integer :: variant = 0                    !! type in the header (ADMAS)
       integer :: id = 1                         !! first number of the header
       integer :: unit_id = 0                    !! /UNIT of this block; 0 = input units
+      integer :: submodel = 0                   !! index of the submodel it stands in, 0 = none
       integer :: header = 0                     !! line of the header
       integer :: first = 1, last = 0            !! its lines, title included; last < first: none
       !> another layout: findings on its cards mean nothing
@@ -50,6 +61,11 @@ module kj_deck_text
       integer :: n_block = 0
       integer :: invers = 0                     !! format version of /BEGIN as typed
       integer :: version = 0                    !! format version that selects the layouts
+      !> what is out of scope is left out: by --ignore-unsupported, and where `full`
+      logical :: lenient = .false.
+      logical :: full = .false.                 !! a full deck, of which the mechanism is taken out
+      type(submodel_t), allocatable :: submodel(:)  !! (n_submodel)
+      integer :: n_submodel = 0
       logical :: readable = .true.              !! .false.: further findings make no sense
       logical :: has_mute = .false.             !! some block is mute
       type(unit_system_t) :: input, work        !! units of the cards, units of the run
@@ -172,6 +188,20 @@ contains
          factor(i) = factor_of(i, block_units(deck, block), deck%work)
       end do
    end function block_factors
+
+   !> What is added to the ids of a family in a submodel
+   pure integer function id_shift(deck, submodel, family) result(shift)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: submodel           !! index, 0 = none
+      integer, intent(in) :: family             !! OF_ constant of kj_reference
+
+      shift = 0
+      if (submodel == 0 .or. family == 0) return
+      associate (s => deck%submodel(submodel)%shift)
+         shift = s(0)
+         if (family < size(s)) shift = s(family)
+      end associate
+   end function id_shift
 
    !> From now on findings that point at the cards of a block are dropped
    subroutine mute_block(deck, block)

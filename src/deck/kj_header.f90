@@ -2,8 +2,8 @@
 !> finding for all that is odd.
 module kj_header
    use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE, has_finding
-   use kj_keywords, only: keywords, find_keyword, nearest_keyword, READ_IT, NOTE_IT, HEAD_ID, &
-      HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, keyword_of
+   use kj_keywords, only: keywords, find_keyword, nearest_keyword, READ_IT, NOTE_IT, FULL_ONLY, &
+      ASIDE, KW_ADMAS, HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, keyword_of
    use kj_spelling, only: upper, edit_distance
    use kj_card_fields, only: has_variant
    use kj_engine_words, only: is_engine_word
@@ -14,6 +14,7 @@ module kj_header
    public :: read_heading
 
    integer, parameter :: MOST_NUMBERS = 3
+   integer, parameter :: ADMAS_OF_NODES(3) = [0, 1, 5]   !! types that no element has a part in
 
    !> A header taken apart
    type :: header_t
@@ -83,7 +84,8 @@ contains
             if (header%n >= 3) block%unit_id = header%number(3)
             if (header%n < 2) call report_line(deck, line, SEV_ERROR, 'KJ-9036', &
                'the header has no type or no id', 'expected: '//trim(row%name)//'/type/id')
-            if (.not. has_variant(block%keyword, block%variant)) then
+            if (.not. has_variant(block%keyword, block%variant) .or. (block%keyword == KW_ADMAS &
+               .and. .not. deck%full .and. all(block%variant /= ADMAS_OF_NODES))) then
                call report_line(deck, line, severity, 'KJ-9022', trim(row%name)// &
                   ' of this type is not supported', 'supported: types 0, 1 and 5')
                block%keyword = 0
@@ -107,7 +109,7 @@ contains
 
       last = header_end(deck, line)
       associate (k => keywords(row))
-         if (k%status == READ_IT) return
+         if (any(k%status == [READ_IT, ASIDE]) .or. deck%full) return
          near = ''
          if (path /= k%name) near = trim(near_miss(path))
          if (len(near) > 0 .and. k%status == NOTE_IT) then
@@ -125,10 +127,20 @@ contains
          else
             call report_line(deck, line, severity, 'KJ-9022', line_text(deck, line)// &
                ' is not supported', 'needs: '//trim(k%meaning), &
-               'remove the block, or ignore it with --ignore-unsupported')
+               trim(cure(k%status)))
          end if
       end associate
    end subroutine report_status
+
+   !> What to do about a keyword that is not supported
+   pure function cure(status) result(text)
+      integer, intent(in) :: status              !! OUT_OF_SCOPE or FULL_ONLY
+      character(len=110) :: text
+
+      text = 'remove the block, or ignore it with --ignore-unsupported'
+      if (status == FULL_ONLY) text = &
+         'run the mechanism of the deck alone with --mechanism, or see `kjoint help extract`'
+   end function cure
 
    !> Keyword that is read and differs from `path` in two letters at most; '' when there is none, or
    !> when a digit makes the difference
@@ -153,10 +165,21 @@ contains
       character(len=*), intent(in) :: path
 
       character(len=:), allocatable :: near, hint
-      integer :: last
+      integer :: last, level
 
       last = indent + len(path)
       row = find_keyword(upper(path))
+      if (deck%full) then
+         near = trim(nearest_keyword(path))
+         level = SEV_NOTE
+         if (len(near) > 0 .and. row == 0) level = merge(SEV_WARNING, SEV_NOTE, &
+            edit_distance(path, near) == 1)
+         call add_deck_finding(deck, line, indent + 1, last, level, 'KJ-9020', path// &
+            ' is not a keyword', 'left out, as in Radioss', merge('did you mean '//near//'?', &
+            repeat(' ', len(near) + 14), level == SEV_WARNING))
+         row = 0
+         return
+      end if
       if (row > 0) then
          call add_deck_finding(deck, line, indent + 1, last, severity, 'KJ-9021', path// &
             ' is not in upper case', 'Radioss ignores such a block', 'write '//upper(path))

@@ -2,13 +2,13 @@
 !> whether kjoint reads it. The cards of the keywords stand in kj_card_fields.
 module kj_keywords
    use kj_other_keywords, only: keyword_t, other_keywords, READ_IT, NOTE_IT, OUT_OF_SCOPE, &
-      HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
+      FULL_ONLY, ASIDE, HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
    use kj_spelling, only: upper, edit_distance
    implicit none
    private
 
-   public :: find_keyword, keyword_of, nearest_keyword, READ_IT, NOTE_IT, OUT_OF_SCOPE, HEAD_ID, &
-      HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
+   public :: find_keyword, keyword_of, nearest_keyword, READ_IT, NOTE_IT, OUT_OF_SCOPE, &
+      FULL_ONLY, ASIDE, HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
 
    integer, parameter :: HI = HEAD_ID, HU = HEAD_UNIT, HT = HEAD_TYPE_ID, HN = HEAD_NONE
    logical, parameter :: T = .true., F = .false.
@@ -25,7 +25,7 @@ module kj_keywords
       keyword_t('/NODE',            F, READ_IT, HU, 'nodes: id and coordinates'), &
       keyword_t('/CNODE',           F, OUT_OF_SCOPE, HN, 'merging of nodes: use /NODE'), &
       keyword_t('/PART',            T, READ_IT, HI, 'elements of one property and material'), &
-      keyword_t('/SUBSET',          T, NOTE_IT, HI, 'set of parts, for output only'), &
+      keyword_t('/SUBSET',         T, ASIDE, HI, 'set of parts and subsets'), &
       keyword_t('/SPRING',          F, READ_IT, HI, 'springs and joints of a part: id and nodes'), &
       keyword_t('/PROP/TYPE33',     T, READ_IT, HI, 'kinematic joint'), &
       keyword_t('/PROP/KJOINT',     T, READ_IT, HI, 'kinematic joint, same as /PROP/TYPE33'), &
@@ -46,14 +46,27 @@ module kj_keywords
       keyword_t('/GRNOD/GENE',      T, READ_IT, HI, 'node group: ranges of ids, first and last'), &
       keyword_t('/GRNOD/GEN_INCR',  T, READ_IT, HI, 'node group: ranges of ids, first, last, increment'), &
       keyword_t('/GRNOD/PART',      T, READ_IT, HI, 'node group: nodes of the elements of parts'), &
+      keyword_t('/GRNOD/SUBSET',   T, READ_IT, HI, 'node group: nodes of the elements of subsets'), &
+      keyword_t('/GRNOD/MAT',      T, READ_IT, HI, 'node group: nodes of the elements of materials'), &
+      keyword_t('/GRNOD/PROP',     T, READ_IT, HI, 'node group: nodes of the elements of properties'), &
+      keyword_t('/GRNOD/SUBMODEL', T, READ_IT, HI, 'node group: nodes of submodels'), &
+      keyword_t('/GRNOD/GRSHEL',   T, READ_IT, HI, 'node group: nodes of groups of shells'), &
+      keyword_t('/GRNOD/GRSH3N',   T, READ_IT, HI, 'node group: nodes of groups of triangles'), &
+      keyword_t('/GRNOD/GRBRIC',   T, READ_IT, HI, 'node group: nodes of groups of solids'), &
+      keyword_t('/GRNOD/GRBEAM',   T, READ_IT, HI, 'node group: nodes of groups of beams'), &
+      keyword_t('/GRNOD/GRTRUS',   T, READ_IT, HI, 'node group: nodes of groups of trusses'), &
+      keyword_t('/GRNOD/GRSPRI',   T, READ_IT, HI, 'node group: nodes of groups of springs'), &
+      keyword_t('/GRNOD/SURF',     T, READ_IT, HI, 'node group: nodes of surfaces'), &
+      keyword_t('/GRNOD/LINE',     T, READ_IT, HI, 'node group: nodes of lines'), &
       keyword_t('/GRNOD/BOX',       T, READ_IT, HI, 'node group: nodes inside of boxes'), &
       keyword_t('/GRNOD',           T, OUT_OF_SCOPE, HI, 'another way to choose nodes: list them instead'), &
       keyword_t('/BOX/RECTA',       T, READ_IT, HI, 'box by two corners'), &
-      keyword_t('/BOX/SPHER',       T, OUT_OF_SCOPE, HI, 'round boxes: use /BOX/RECTA or a list of nodes'), &
-      keyword_t('/BOX/CYLIN',       T, OUT_OF_SCOPE, HI, 'round boxes: use /BOX/RECTA or a list of nodes'), &
+      keyword_t('/BOX/SPHER',      T, READ_IT, HI, 'box by a point and a diameter'), &
+      keyword_t('/BOX/CYLIN',      T, READ_IT, HI, 'box by an axis and a diameter'), &
       keyword_t('/BOX',             T, OUT_OF_SCOPE, HI, 'sets of boxes: list the boxes in /GRNOD/BOX'), &
       keyword_t('/SET/GENERAL',     T, READ_IT, HI, 'set of nodes by clauses'), &
-      keyword_t('/SET',             T, OUT_OF_SCOPE, HI, 'sets over several blocks: use /SET/GENERAL'), &
+      keyword_t('/SET/COLLECT',    T, READ_IT, HI, 'set of nodes by clauses, blocks of one id united'), &
+      keyword_t('/SET',            T, OUT_OF_SCOPE, HI, 'sets of another kind: use /SET/GENERAL'), &
       keyword_t('/SKEW/FIX',        T, READ_IT, HI, 'axes fixed in space'), &
       keyword_t('/SKEW/MOV',        T, READ_IT, HI, 'axes that follow three nodes'), &
       keyword_t('/SKEW/MOV2',       T, READ_IT, HI, 'axes that follow three nodes, z first'), &
@@ -101,36 +114,42 @@ module kj_keywords
       keyword_t('/ANALY',           F, READ_IT, HN, 'kind of analysis: must be 3D'), &
       keyword_t('/SPMD',            F, NOTE_IT, HN, 'parallel run of other solvers'), &
       keyword_t('/IOFLAG',          F, NOTE_IT, HN, 'listing of other solvers'), &
-      keyword_t('/DEF_SOLID',       F, NOTE_IT, HN, 'defaults of solid elements'), &
-      keyword_t('/DEF_SHELL',       F, NOTE_IT, HN, 'defaults of shell elements'), &
+      keyword_t('/DEF_SOLID',      F, ASIDE, HN, 'defaults of solid elements'), &
+      keyword_t('/DEF_SHELL',      F, ASIDE, HN, 'defaults of shell elements'), &
       keyword_t('/DEFAULT',         F, NOTE_IT, HN, 'defaults of contacts and elements'), &
       keyword_t('/RANDOM',          F, READ_IT, HN, 'disturbs coordinates: must be 0'), &
       keyword_t('/RANDOM/GRNOD',    F, READ_IT, HI, 'disturbs coordinates of a group: must be 0'), &
-      keyword_t('/GRPART',          T, NOTE_IT, HI, 'group of parts, used by nothing in scope'), &
-      keyword_t('/GRSPRI',          T, NOTE_IT, HI, 'group of springs, used by nothing in scope'), &
-      keyword_t('/GRSHEL',          T, NOTE_IT, HI, 'group of shells, used by nothing in scope'), &
-      keyword_t('/GRBRIC',          T, NOTE_IT, HI, 'group of solids, used by nothing in scope'), &
-      keyword_t('/SURF',            T, NOTE_IT, HI, 'surface, used by nothing in scope'), &
-      keyword_t('/LINE',            T, NOTE_IT, HI, 'line, used by nothing in scope'), &
+      keyword_t('/GRPART',         T, ASIDE, HI, 'group of parts, for node groups that name it'), &
+      keyword_t('/GRSPRI',         T, ASIDE, HI, 'group of springs, for node groups that name it'), &
+      keyword_t('/GRSHEL',         T, ASIDE, HI, 'group of shells, for node groups that name it'), &
+      keyword_t('/GRBRIC',         T, ASIDE, HI, 'group of solids, for node groups that name it'), &
+      keyword_t('/SURF',           T, ASIDE, HI, 'surface, for node groups that name it'), &
+      keyword_t('/LINE',           T, ASIDE, HI, 'line, for node groups that name it'), &
       keyword_t('/ANIM',            F, NOTE_IT, HN, 'animation files: not written'), &
-      keyword_t('/PARAMETER',       T, OUT_OF_SCOPE, HI, 'parameters: write the numbers into the cards'), &
-      keyword_t('//SUBMODEL',       T, OUT_OF_SCOPE, HI, 'submodels: put their blocks into the deck'), &
-      keyword_t('//ENDSUB',         F, OUT_OF_SCOPE, HN, 'submodels: put their blocks into the deck'), &
+      keyword_t('/PARAMETER',      T, ASIDE, HI, 'names of values for the fields of cards'), &
+      keyword_t('//SUBMODEL',      T, ASIDE, HI, 'begin of a submodel: offsets of its ids'), &
+      keyword_t('//ENDSUB',        F, ASIDE, HN, 'end of a submodel'), &
+      keyword_t('/TRANSFORM/TRA',  T, READ_IT, HI, 'moves nodes along'), &
+      keyword_t('/TRANSFORM/ROT',  T, READ_IT, HI, 'turns nodes about an axis'), &
+      keyword_t('/TRANSFORM/SYM',  T, READ_IT, HI, 'mirrors nodes'), &
+      keyword_t('/TRANSFORM/SCA',  T, READ_IT, HI, 'stretches nodes about a point'), &
+      keyword_t('/TRANSFORM/MATRIX', T, READ_IT, HI, 'moves nodes by a matrix'), &
+      keyword_t('/TRANSFORM/POSITION', T, READ_IT, HI, 'moves nodes from three points to three others'), &
       keyword_t('/MERGE',           T, OUT_OF_SCOPE, HI, 'merging of bodies: make them one /RBODY'), &
       keyword_t('/DAMP',            T, OUT_OF_SCOPE, HI, 'Rayleigh damping'), &
-      keyword_t('/BRICK',           F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t('/TETRA4',          F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t('/TETRA10',         F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t('/SHELL',           F, OUT_OF_SCOPE, HI, 'shell elements'), &
-      keyword_t('/SH3N',            F, OUT_OF_SCOPE, HI, 'shell elements'), &
+      keyword_t('/BRICK',          F, FULL_ONLY, HI, 'solid elements'), &
+      keyword_t('/TETRA4',         F, FULL_ONLY, HI, 'solid elements'), &
+      keyword_t('/TETRA10',        F, FULL_ONLY, HI, 'solid elements'), &
+      keyword_t('/SHELL',          F, FULL_ONLY, HI, 'shell elements'), &
+      keyword_t('/SH3N',           F, FULL_ONLY, HI, 'shell elements'), &
       keyword_t('/QUAD',            F, OUT_OF_SCOPE, HI, 'plane elements'), &
-      keyword_t('/BEAM',            F, OUT_OF_SCOPE, HI, 'beam elements'), &
-      keyword_t('/TRUSS',           F, OUT_OF_SCOPE, HI, 'truss elements'), &
+      keyword_t('/BEAM',           F, FULL_ONLY, HI, 'beam elements'), &
+      keyword_t('/TRUSS',          F, FULL_ONLY, HI, 'truss elements'), &
       keyword_t('/INTER',           T, OUT_OF_SCOPE, HI, 'contact'), &
       keyword_t('/FRICTION',        T, OUT_OF_SCOPE, HI, 'contact'), &
       keyword_t('/RWALL',           T, OUT_OF_SCOPE, HI, 'rigid walls'), &
       keyword_t('/RLINK',           T, OUT_OF_SCOPE, HI, 'rigid links: use a rigid joint or /RBODY'), &
-      keyword_t('/RBE2',            T, OUT_OF_SCOPE, HI, 'RBE2: use /RBODY'), &
+      keyword_t('/RBE2',           T, FULL_ONLY, HI, 'RBE2: use /RBODY'), &
       keyword_t('/RBE3',            T, OUT_OF_SCOPE, HI, 'interpolation constraints'), &
       keyword_t('/MPC',             T, OUT_OF_SCOPE, HI, 'linear constraints'), &
       keyword_t('/CYL_JOINT',       T, OUT_OF_SCOPE, HI, 'cylindrical constraint: use /PROP/KJOINT type 3'), &
@@ -194,13 +213,48 @@ module kj_keywords
       KW_SENSOR_TIME = findloc(NAME, '/SENSOR/TIME', 1), &
       KW_TH_NODE = findloc(NAME, '/TH/NODE', 1), KW_TH_SPRING = findloc(NAME, '/TH/SPRING', 1), &
       KW_TH_RBODY = findloc(NAME, '/TH/RBODY', 1), KW_TH_PART = findloc(NAME, '/TH/PART', 1), &
-      KW_ANALY = findloc(NAME, '/ANALY', 1), KW_RANDOM = findloc(NAME, '/RANDOM', 1)
+      KW_ANALY = findloc(NAME, '/ANALY', 1), KW_RANDOM = findloc(NAME, '/RANDOM', 1), &
+      KW_SHELL = findloc(NAME, '/SHELL', 1), KW_SH3N = findloc(NAME, '/SH3N', 1), &
+      KW_BRICK = findloc(NAME, '/BRICK', 1), KW_TETRA4 = findloc(NAME, '/TETRA4', 1), &
+      KW_TETRA10 = findloc(NAME, '/TETRA10', 1), KW_PENTA6 = findloc(NAME, '/PENTA6', 1), &
+      KW_BRIC20 = findloc(NAME, '/BRIC20', 1), KW_SHEL16 = findloc(NAME, '/SHEL16', 1), &
+      KW_BEAM = findloc(NAME, '/BEAM', 1), KW_TRUSS = findloc(NAME, '/TRUSS', 1), &
+      KW_RBE2 = findloc(NAME, '/RBE2', 1), KW_SUBSET = findloc(NAME, '/SUBSET', 1), &
+      KW_DEF_SOLID = findloc(NAME, '/DEF_SOLID', 1), &
+      KW_DEF_SHELL = findloc(NAME, '/DEF_SHELL', 1), KW_GRPART = findloc(NAME, '/GRPART', 1), &
+      KW_GRSPRI = findloc(NAME, '/GRSPRI', 1), KW_GRSHEL = findloc(NAME, '/GRSHEL', 1), &
+      KW_GRBRIC = findloc(NAME, '/GRBRIC', 1), KW_GRSH3N = findloc(NAME, '/GRSH3N', 1), &
+      KW_GRBEAM = findloc(NAME, '/GRBEAM', 1), KW_GRTRUS = findloc(NAME, '/GRTRUS', 1), &
+      KW_SURF = findloc(NAME, '/SURF', 1), KW_LINE = findloc(NAME, '/LINE', 1), &
+      KW_PARAMETER = findloc(NAME, '/PARAMETER', 1), &
+      KW_SUBMODEL = findloc(NAME, '//SUBMODEL', 1), KW_ENDSUB = findloc(NAME, '//ENDSUB', 1), &
+      KW_BOX_SPHER = findloc(NAME, '/BOX/SPHER', 1), &
+      KW_BOX_CYLIN = findloc(NAME, '/BOX/CYLIN', 1), &
+      KW_SET_COLLECT = findloc(NAME, '/SET/COLLECT', 1), &
+      KW_GRNOD_SUBSET = findloc(NAME, '/GRNOD/SUBSET', 1), &
+      KW_GRNOD_MAT = findloc(NAME, '/GRNOD/MAT', 1), &
+      KW_GRNOD_PROP = findloc(NAME, '/GRNOD/PROP', 1), &
+      KW_GRNOD_SUBMODEL = findloc(NAME, '/GRNOD/SUBMODEL', 1), &
+      KW_GRNOD_GRSHEL = findloc(NAME, '/GRNOD/GRSHEL', 1), &
+      KW_GRNOD_GRSH3N = findloc(NAME, '/GRNOD/GRSH3N', 1), &
+      KW_GRNOD_GRBRIC = findloc(NAME, '/GRNOD/GRBRIC', 1), &
+      KW_GRNOD_GRBEAM = findloc(NAME, '/GRNOD/GRBEAM', 1), &
+      KW_GRNOD_GRTRUS = findloc(NAME, '/GRNOD/GRTRUS', 1), &
+      KW_GRNOD_GRSPRI = findloc(NAME, '/GRNOD/GRSPRI', 1), &
+      KW_GRNOD_SURF = findloc(NAME, '/GRNOD/SURF', 1), &
+      KW_GRNOD_LINE = findloc(NAME, '/GRNOD/LINE', 1), &
+      KW_TRANS_TRA = findloc(NAME, '/TRANSFORM/TRA', 1), &
+      KW_TRANS_ROT = findloc(NAME, '/TRANSFORM/ROT', 1), &
+      KW_TRANS_SYM = findloc(NAME, '/TRANSFORM/SYM', 1), &
+      KW_TRANS_SCA = findloc(NAME, '/TRANSFORM/SCA', 1), &
+      KW_TRANS_MATRIX = findloc(NAME, '/TRANSFORM/MATRIX', 1), &
+      KW_TRANS_POSITION = findloc(NAME, '/TRANSFORM/POSITION', 1)
 
 contains
 
    !> Row that a header path belongs to; 0 when there is none
    !>
-   !> NOTE_IT and OUT_OF_SCOPE rows also answer for longer paths: /INTER for /INTER/TYPE7.
+   !> All but READ_IT rows also answer for longer paths: /INTER for /INTER/TYPE7.
    pure integer function find_keyword(path) result(row)
       character(len=*), intent(in) :: path      !! words of the header: /PROP/TYPE33
 
@@ -230,13 +284,13 @@ contains
       row = 0
    end function exact_row
 
-   !> The keyword whose cards a row has: KW_ constant, 0 when they are not read
+   !> The keyword whose cards a row has: KW_ constant, 0 when nobody reads them
    pure integer function keyword_of(row) result(keyword)
       integer, intent(in) :: row
 
       integer :: i
 
-      keyword = merge(row, 0, keywords(row)%status == READ_IT)
+      keyword = merge(row, 0, any(keywords(row)%status == [READ_IT, FULL_ONLY, ASIDE]))
       i = findloc(SAME_AS(1, :), keywords(row)%name, 1)
       if (i > 0) keyword = exact_row(trim(SAME_AS(2, i)))
    end function keyword_of

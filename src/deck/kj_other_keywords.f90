@@ -8,7 +8,9 @@ module kj_other_keywords
    integer, parameter, public :: &
       READ_IT = 1, &     !! its cards are read
       NOTE_IT = 2, &     !! only output, other solvers, or things that no joint meets: a note
-      OUT_OF_SCOPE = 3   !! would change the result: an error that says what would be needed
+      OUT_OF_SCOPE = 3, & !! would change the result: an error that says what would be needed
+      FULL_ONLY = 4, &   !! as OUT_OF_SCOPE, but its cards are read where a mechanism is taken out
+      ASIDE = 5          !! read by those who need it: structure, selections, defaults
 
    !> Order of the numbers in a header after the words
    integer, parameter, public :: &
@@ -17,11 +19,11 @@ module kj_other_keywords
       HEAD_TYPE_ID = 3, &    !! /KEY/type/id/unit
       HEAD_NONE = 4          !! no number, or numbers without a meaning here
 
-   !> A row; names of NOTE_IT and OUT_OF_SCOPE rows stand for all headers that begin with them
+   !> A row; names of all but READ_IT rows stand for all headers that begin with them
    type, public :: keyword_t
       character(len=20) :: name      !! as written in a deck, without the numbers
       logical           :: titled    !! a title card follows the header
-      integer           :: status    !! READ_IT, NOTE_IT or OUT_OF_SCOPE
+      integer           :: status    !! READ_IT, NOTE_IT, ...
       integer           :: head      !! HEAD_ constant
       character(len=56) :: meaning   !! OUT_OF_SCOPE: what would be needed
    end type keyword_t
@@ -62,9 +64,9 @@ module kj_other_keywords
       keyword_t('/INISPRI',         F, OUT_OF_SCOPE, HN, 'springs that start with a force'), &
       keyword_t('/PRELOAD',         T, OUT_OF_SCOPE, HI, 'bolts that are tightened'), &
       ! elements
-      keyword_t('/PENTA6',          F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t('/BRIC20',          F, OUT_OF_SCOPE, HI, 'solid elements'), &
-      keyword_t('/SHEL16',          F, OUT_OF_SCOPE, HI, 'thick shell elements'), &
+      keyword_t('/PENTA6',         F, FULL_ONLY, HI, 'solid elements'), &
+      keyword_t('/BRIC20',         F, FULL_ONLY, HI, 'solid elements'), &
+      keyword_t('/SHEL16',         F, FULL_ONLY, HI, 'thick shell elements'), &
       keyword_t('/TRIA',            F, OUT_OF_SCOPE, HI, 'plane elements'), &
       keyword_t('/RIVET',           F, OUT_OF_SCOPE, HI, 'rivets: use a rigid joint'), &
       keyword_t('/SPHCEL',          F, OUT_OF_SCOPE, HI, 'particles'), &
@@ -76,16 +78,16 @@ module kj_other_keywords
       keyword_t('/BCS/WALL',        T, OUT_OF_SCOPE, HI, 'walls of fluids'), &
       keyword_t('/NBCS',            T, OUT_OF_SCOPE, HI, 'conditions node by node: use /BCS with a group'), &
       keyword_t('/RBODY/LAGMUL',    T, OUT_OF_SCOPE, HI, 'Lagrange multipliers: use /RBODY'), &
-      keyword_t('/TRANSFORM',       T, OUT_OF_SCOPE, HI, 'moving of nodes: write them where they are to be'), &
+      keyword_t('/TRANSFORM',      T, OUT_OF_SCOPE, HI, 'moves of another kind'), &
       keyword_t('/FUNCT_PYTHON',    T, OUT_OF_SCOPE, HI, 'functions in Python: use /FUNCT with points'), &
       keyword_t('/EIG',             T, OUT_OF_SCOPE, HI, 'eigenmodes'), &
       keyword_t('/BEM',             T, OUT_OF_SCOPE, HI, 'fluids around the scene'), &
       ! groups that node groups may name
-      keyword_t('/GRSH3N',          T, NOTE_IT, HI, 'group of triangles, used by nothing in scope'), &
+      keyword_t('/GRSH3N',         T, ASIDE, HI, 'group of triangles, for node groups that name it'), &
       keyword_t('/GRQUAD',          T, NOTE_IT, HI, 'group of plane elements, used by nothing in scope'), &
       keyword_t('/GRTRIA',          T, NOTE_IT, HI, 'group of plane elements, used by nothing in scope'), &
-      keyword_t('/GRBEAM',          T, NOTE_IT, HI, 'group of beams, used by nothing in scope'), &
-      keyword_t('/GRTRUS',          T, NOTE_IT, HI, 'group of trusses, used by nothing in scope'), &
+      keyword_t('/GRBEAM',         T, ASIDE, HI, 'group of beams, for node groups that name it'), &
+      keyword_t('/GRTRUS',         T, ASIDE, HI, 'group of trusses, for node groups that name it'), &
       ! materials, elements and fluids: without these there is nothing to act on
       keyword_t('/EOS',             T, NOTE_IT, HI, 'equation of state of a material'), &
       keyword_t('/VISC',            T, NOTE_IT, HI, 'viscosity of a material'), &

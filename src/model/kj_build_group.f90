@@ -1,65 +1,84 @@
-!> Cards -> draft: node groups of all kinds, and the boxes that some of them name.
+!> Cards -> draft: node groups of all kinds.
 !>
 !> A group is a list of nodes that grows, loses members, and ends sorted. What its ids stand for is
-!> a row of `kinds`: those of a /GRNOD, and the clauses of a /SET/GENERAL.
-!> One file: groups, sets and boxes name each other, and fill the same lists.
+!> a row of `kinds`: those of a /GRNOD, and the clauses of a /SET.
+!> One file: groups and sets name each other, and fill the same lists.
 module kj_build_group
-   use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
-   use kj_sort, only: lookup_t, new_lookup, find, lower_bound, sorted_order
+   use kj_sort, only: new_lookup, find, lower_bound, sort_unique
    use kj_keywords, only: KW_GRNOD_NODE, KW_GRNOD_NODENS, KW_GRNOD_GRNOD, KW_GRNOD_GENE, &
-      KW_GRNOD_GEN_INCR, KW_GRNOD_PART, KW_GRNOD_BOX, KW_BOX_RECTA, KW_SET_GENERAL
-   use kj_deck_text, only: add_deck_finding, lengthen, report_header
-   use kj_cards, only: cards_t, read_cards, real_of, int_of, report
+      KW_GRNOD_GEN_INCR, KW_GRNOD_PART, KW_GRNOD_BOX, KW_SET_GENERAL, KW_SET_COLLECT, &
+      KW_GRNOD_SUBSET, KW_GRNOD_MAT, KW_GRNOD_PROP, KW_GRNOD_SUBMODEL, KW_GRNOD_GRSHEL, &
+      KW_GRNOD_GRSH3N, KW_GRNOD_GRBRIC, KW_GRNOD_GRBEAM, KW_GRNOD_GRTRUS, KW_GRNOD_GRSPRI, &
+      KW_GRNOD_SURF, KW_GRNOD_LINE, KW_GRSHEL, KW_GRSH3N, KW_GRBRIC, KW_GRBEAM, KW_GRTRUS, &
+      KW_GRSPRI, KW_RBODY
+   use kj_deck_text, only: add_deck_finding, report_header
+   use kj_cards, only: cards_t, read_cards, int_of
    use kj_card_lists, only: ids_t, clauses_t, read_ids, read_clauses, report_id
-   use kj_draft, only: draft_t, blocks_of, find_blocks, report_double_blocks, reference, node_of, &
-      known_ids
+   use kj_card_fields, only: fields
+   use kj_deck_flat, only: ids_on_card, id_columns_t
+   use kj_reference, only: OF_GROUP
+   use kj_element_cards, only: element_cards
+   use kj_draft, only: draft_t, blocks_of, report_double_blocks, known_ids
+   use kj_box, only: box_set_t, build_boxes, is_inside
+   use kj_node_list, only: node_list_t, add_node, add_nodes, add_range, remove_nodes, keep_nodes, &
+      finish_list
+   use kj_select, only: filter_t, faces_t, parts_of, element_ids_of, walk_elements, surface_of, &
+      line_nodes, submodel_nodes, all_kinds
    implicit none
    private
 
    public :: build_groups
 
    !> What an id stands for
-   integer, parameter :: A_NODE = 1, A_PART = 2, AN_ELEMENT = 3, A_BOX = 4, A_GROUP = 5
-   character(len=10), parameter :: WHAT(5) = [character(len=10) :: 'node', 'part', 'element', &
-      'box', 'node group']
+   integer, parameter :: A_NODE = 1, A_PART = 2, AN_ELEMENT = 3, A_BOX = 4, A_GROUP = 5, &
+      AN_ELEMENT_GROUP = 6, A_SURFACE = 7, A_LINE = 8, A_SUBMODEL = 9, A_BODY = 10, A_SEGMENT = 11, &
+      ALL_NODES = 12
 
    !> A kind of group, or a clause of a set
    type :: kind_t
       integer           :: keyword    !! KW_ constant, 0 = a clause alone
-      character(len=8)  :: clause     !! of /SET/GENERAL, '' = none
+      character(len=6)  :: clause     !! of a /SET, '' = none
       integer           :: of         !! A_ constant
       integer           :: together   !! ids that belong together: 1, 2 first and last, 3 increment
+      integer           :: which      !! KW_ constant of the groups of these elements
+      character(len=13) :: what       !! an id names: node, part, subset, ...
       character(len=7)  :: missing    !! message on an id that is not defined
       integer           :: severity   !! of it
    end type kind_t
 
    type(kind_t), parameter :: kinds(*) = [ &
-      kind_t(KW_GRNOD_NODE,     'NODE',     A_NODE,     1, 'KJ-0078', SEV_ERROR),   &
-      kind_t(KW_GRNOD_NODENS,   '',         A_NODE,     1, 'KJ-0078', SEV_ERROR),   &
-      kind_t(KW_GRNOD_GENE,     'NODE_G',   A_NODE,     2, '',        SEV_ERROR),   &
-      kind_t(KW_GRNOD_GEN_INCR, '',         A_NODE,     3, '',        SEV_ERROR),   &
-      kind_t(KW_GRNOD_PART,     'PART',     A_PART,     1, 'KJ-0194', SEV_WARNING), &
-      kind_t(0,                 'PART_G',   A_PART,     2, '',        SEV_WARNING), &
-      kind_t(0,                 'SPRING',   AN_ELEMENT, 1, 'KJ-9140', SEV_WARNING), &
-      kind_t(0,                 'SPRING_G', AN_ELEMENT, 2, '',        SEV_WARNING), &
-      kind_t(KW_GRNOD_BOX,      'BOX',      A_BOX,      1, 'KJ-9135', SEV_WARNING), &
-      kind_t(KW_GRNOD_GRNOD,    'SET',      A_GROUP,    1, 'KJ-0174', SEV_WARNING)]
+      kind_t(KW_GRNOD_NODE,     'NODE',   A_NODE,     1, 0,         'node',       'KJ-0078', SEV_ERROR),   &
+      kind_t(KW_GRNOD_NODENS,   '',       A_NODE,     1, 0,         'node',       'KJ-0078', SEV_ERROR),   &
+      kind_t(KW_GRNOD_GENE,     '',       A_NODE,     2, 0,         'node',       '',        SEV_ERROR),   &
+      kind_t(KW_GRNOD_GEN_INCR, '',       A_NODE,     3, 0,         'node',       '',        SEV_ERROR),   &
+      kind_t(KW_GRNOD_PART,     'PART',   A_PART,     1, 0,         'part',       'KJ-0194', SEV_WARNING), &
+      kind_t(KW_GRNOD_SUBSET,   'SUBS',   A_PART,     1, 0,         'subset',     'KJ-0194', SEV_WARNING), &
+      kind_t(KW_GRNOD_MAT,      'MAT',    A_PART,     1, 0,         'material',   'KJ-0194', SEV_WARNING), &
+      kind_t(KW_GRNOD_PROP,     'PROP',   A_PART,     1, 0,         'property',   'KJ-0194', SEV_WARNING), &
+      kind_t(KW_GRNOD_SUBMODEL, 'SUBM',   A_SUBMODEL, 1, 0,         'submodel',   'KJ-0194', SEV_WARNING), &
+      kind_t(0,                 'SPRING', AN_ELEMENT, 1, KW_GRSPRI, 'element',    'KJ-9140', SEV_WARNING), &
+      kind_t(0,                 'SHELL',  AN_ELEMENT, 1, KW_GRSHEL, 'element',    'KJ-9140', SEV_WARNING), &
+      kind_t(0,                 'SH3N',   AN_ELEMENT, 1, KW_GRSH3N, 'element',    'KJ-9140', SEV_WARNING), &
+      kind_t(0,                 'SOLID',  AN_ELEMENT, 1, KW_GRBRIC, 'element',    'KJ-9140', SEV_WARNING), &
+      kind_t(0,                 'BEAM',   AN_ELEMENT, 1, KW_GRBEAM, 'element',    'KJ-9140', SEV_WARNING), &
+      kind_t(0,                 'TRUSS',  AN_ELEMENT, 1, KW_GRTRUS, 'element',    'KJ-9140', SEV_WARNING), &
+      kind_t(KW_GRNOD_BOX,      'BOX',    A_BOX,      1, 0,         'box',        'KJ-9135', SEV_WARNING), &
+      kind_t(KW_GRNOD_GRNOD,    'SET',    A_GROUP,    1, 0,         'node group', 'KJ-0174', SEV_WARNING), &
+      kind_t(0,                 'SETCOL', A_GROUP,    1, 0,         'node group', 'KJ-0174', SEV_WARNING), &
+      kind_t(0,                 'RBODY',  A_BODY,     1, 0,         'rigid body', 'KJ-9408', SEV_WARNING), &
+      kind_t(0,                 'SEG',    A_SEGMENT,  1, 0,         'node',       'KJ-0078', SEV_ERROR),   &
+      kind_t(0,                 'ALL',    ALL_NODES,  1, 0,         'node',       '',        SEV_WARNING), &
+      kind_t(KW_GRNOD_GRSHEL,   '',       AN_ELEMENT_GROUP, 1, KW_GRSHEL, 'element group', 'KJ-9408', SEV_WARNING), &
+      kind_t(KW_GRNOD_GRSH3N,   '',       AN_ELEMENT_GROUP, 1, KW_GRSH3N, 'element group', 'KJ-9408', SEV_WARNING), &
+      kind_t(KW_GRNOD_GRBRIC,   '',       AN_ELEMENT_GROUP, 1, KW_GRBRIC, 'element group', 'KJ-9408', SEV_WARNING), &
+      kind_t(KW_GRNOD_GRBEAM,   '',       AN_ELEMENT_GROUP, 1, KW_GRBEAM, 'element group', 'KJ-9408', SEV_WARNING), &
+      kind_t(KW_GRNOD_GRTRUS,   '',       AN_ELEMENT_GROUP, 1, KW_GRTRUS, 'element group', 'KJ-9408', SEV_WARNING), &
+      kind_t(KW_GRNOD_GRSPRI,   '',       AN_ELEMENT_GROUP, 1, KW_GRSPRI, 'element group', 'KJ-9408', SEV_WARNING), &
+      kind_t(KW_GRNOD_SURF,     '',       A_SURFACE,  1, 0,         'surface',    'KJ-9408', SEV_WARNING), &
+      kind_t(KW_GRNOD_LINE,     '',       A_LINE,     1, 0,         'line',       'KJ-9408', SEV_WARNING)]
 
    integer, parameter :: WAITING = 0, UNDER_WAY = 1, DONE = 2   !! state of a group
-
-   !> Nodes in the order they came, with repeats
-   type :: node_list_t
-      integer :: n = 0
-      integer, allocatable :: node(:)            !! (>= n) raw indices
-   end type node_list_t
-
-   !> Boxes with their edges along the axes of skews
-   type :: box_set_t
-      type(lookup_t) :: id
-      integer, allocatable :: skew(:)            !! (n) skew index, 0 = global
-      real(wp), allocatable :: lo(:, :), hi(:, :)   !! (3, n) corners, components in the skew
-   end type box_set_t
 
    !> What groups are made of
    type :: workshop_t
@@ -70,12 +89,15 @@ module kj_build_group
 
 contains
 
-   !> All groups of the deck; where a /GRNOD and a /SET share an id, the /GRNOD is meant
+   !> All groups of the deck; where a /GRNOD and a /SET share an id, the /GRNOD is meant.
+   !>
+   !> Of a full deck those that its mechanism names; the others stay empty.
    subroutine build_groups(draft)
       type(draft_t), intent(inout) :: draft
 
       type(workshop_t) :: shop
       integer, allocatable :: groups(:), sets(:)
+      logical, allocatable :: named(:)
       integer :: i
 
       groups = pack([(i, i=1, draft%deck%n_block)], [(draft%deck%block(i)%keyword > 0 .and. &
@@ -83,17 +105,64 @@ contains
       sets = blocks_of(draft%deck, KW_SET_GENERAL)
       call report_double_blocks(draft%deck, groups, 'node group')
       call report_double_blocks(draft%deck, sets, 'set')
-      groups = [groups, sets]
+      groups = [groups, sets, blocks_of(draft%deck, KW_SET_COLLECT)]
       call new_lookup(draft%deck%block(groups)%id, draft%group)
       call build_boxes(draft, shop%boxes)
+      if (allocated(draft%groups)) deallocate (draft%groups)
       allocate (draft%groups(size(groups)), shop%state(size(groups)))
       allocate (shop%spoilt(size(groups)), source=.false.)
       shop%state = WAITING
       draft%groups%block = groups
       do i = 1, size(groups)
-         call fill_group(draft, shop, i)
+         allocate (draft%groups(i)%node(0))
+      end do
+      call find_named(draft, named)
+      do i = 1, size(groups)
+         if (named(i)) call fill_group(draft, shop, i)
       end do
    end subroutine build_groups
+
+   !> Groups that a card of the deck names; all, unless it is a full deck
+   subroutine find_named(draft, named)
+      type(draft_t), intent(in) :: draft
+      logical, allocatable, intent(out) :: named(:)
+
+      type(id_columns_t) :: columns
+      integer :: block, line, i, k, id, status, s
+
+      allocate (named(size(draft%groups)), source=.not. draft%deck%full)
+      if (.not. draft%deck%full) return
+      do block = 1, draft%deck%n_block
+         if (.not. names_groups(draft, block)) cycle
+         do line = draft%deck%block(block)%first, draft%deck%block(block)%last
+            s = draft%deck%line_source(line)
+            associate (text => draft%deck%source(s)%text(draft%deck%line_first(line): &
+               draft%deck%line_last(line)))
+               call ids_on_card(draft%deck, block, line, text, columns)
+               do k = 1, columns%n
+                  if (columns%family(k) /= OF_GROUP .or. columns%first(k) > len(text)) cycle
+                  read (text(columns%first(k):min(len(text), columns%last(k))), '(i10)', &
+                     iostat=status) id
+                  if (status /= 0) named = .true.   ! cut at commas, or wrong
+                  i = find(draft%group, id)
+                  if (status == 0 .and. i > 0) named(i) = .true.
+               end do
+            end associate
+         end do
+      end do
+   end subroutine find_named
+
+   !> The cards of a block name groups of nodes
+   pure logical function names_groups(draft, block) result(names)
+      type(draft_t), intent(in) :: draft
+      integer, intent(in) :: block
+
+      names = .false.
+      associate (k => draft%deck%block(block)%keyword)
+         if (k == 0) return
+         names = any(fields(draft%deck%field_first(k):draft%deck%field_last(k))%name == 'grnod_id')
+      end associate
+   end function names_groups
 
    !> The nodes of group i; groups that it names come first
    recursive subroutine fill_group(draft, shop, i)
@@ -103,20 +172,24 @@ contains
 
       type(node_list_t) :: list
       type(ids_t) :: ids
-      integer :: n_error, block, row
+      integer :: n_error, block, row, k
 
       if (shop%state(i) /= WAITING) return
       shop%state(i) = UNDER_WAY
       n_error = draft%deck%findings%n_error
       block = draft%groups(i)%block
       row = findloc(kinds%keyword, draft%deck%block(block)%keyword, 1)
-      if (row == 0) then
-         call fill_set(draft, shop, i, list)
-      else
+      if (row > 0) then
          call read_ids(draft%deck, block, ids)
          call take_ids(draft, shop, i, kinds(row), ids, 1, ids%n, list)
+      else
+         do k = i, size(draft%groups)            ! a /SET/COLLECT has several blocks
+            if (draft%deck%block(draft%groups(k)%block)%id == draft%deck%block(block)%id .and. &
+               draft%deck%block(draft%groups(k)%block)%keyword == draft%deck%block(block)%keyword) &
+               call fill_set(draft, shop, i, draft%groups(k)%block, list)
+         end do
       end if
-      call finish_list(draft, list, draft%groups(i)%node)
+      call finish_list(draft%id, list, draft%groups(i)%node)
       if (draft%deck%findings%n_error > n_error) shop%spoilt(i) = .true.
       if (size(draft%groups(i)%node) == 0 .and. .not. shop%spoilt(i)) &
          call report_header(draft%deck, block, SEV_WARNING, 'KJ-0690', 'the node group is empty', &
@@ -124,42 +197,129 @@ contains
       shop%state(i) = DONE
    end subroutine fill_group
 
-   !> Nodes of a /SET/GENERAL
-   recursive subroutine fill_set(draft, shop, group, list)
+   !> Nodes of a /SET, clause by clause: _D removes, _I keeps what is in both
+   recursive subroutine fill_set(draft, shop, group, block, list)
       type(draft_t), intent(inout) :: draft
       type(workshop_t), intent(inout) :: shop
-      integer, intent(in) :: group
+      integer, intent(in) :: group, block
       type(node_list_t), intent(inout) :: list
 
       type(clauses_t) :: clauses
-      type(kind_t) :: kind
-      integer :: i, k, row
+      type(node_list_t) :: some
+      integer, allocatable :: node(:)
+      integer :: i, k, row, dash
+      character(len=10) :: word, suffix
 
-      call read_clauses(draft%deck, draft%groups(group)%block, clauses)
+      call read_clauses(draft%deck, block, clauses)
       do i = 1, clauses%n
-         row = findloc(kinds%clause, clauses%word(i), 1)
-         if (row == 0) then
+         word = clauses%word(i)
+         dash = scan(word//'_', '_')
+         suffix = word(dash:)
+         row = findloc(kinds%clause, word(:dash - 1), 1)
+         if (dash == 1) row = 0
+         if (row == 0 .or. verify(suffix, '_GDIAE ') > 0) then
             call add_deck_finding(draft%deck, clauses%line(i), 1, len(clauses%word), SEV_ERROR, &
-               'KJ-9141', 'the clause '//trim(clauses%word(i))//' of a /SET is not supported', &
-               'expected: NODE, NODE_G, PART, PART_G, SPRING, SPRING_G, BOX or SET')
+               'KJ-9141', 'the clause '//trim(word)//' of a /SET is not supported', 'expected: '// &
+               'NODE, PART, SUBS, SUBM, SOLID, SHELL, SH3N, BEAM, TRUSS, SPRING, SEG, SET, '// &
+               'SETCOL, RBODY, BOX or ALL, with _G, _D or _I')
             cycle
          end if
-         kind = kinds(row)
+         some%n = 0
          associate (ids => clauses%ids, from => clauses%from(i), to => clauses%to(i))
-            if (kind%keyword == KW_GRNOD_GENE .and. modulo(to - from + 1, 2) == 1) &
-               call report_id(draft%deck, ids, to, SEV_ERROR, 'KJ-9137', &
-               'a range without its end', 'expected: two ids')
             do k = from, to
-               if (kind%keyword == 0 .or. kind%keyword == KW_GRNOD_NODE) exit
-               if (ids%value(k) < 0) call report_id(draft%deck, ids, k, SEV_ERROR, 'KJ-9138', &
-                  'clauses that remove are not supported', 'expected: a positive id')
+               if (ids%value(k) < 0 .and. kinds(row)%of /= A_NODE) call report_id(draft%deck, ids, &
+                  k, SEV_ERROR, 'KJ-9138', 'a negative id in a clause of a /SET', &
+                  'expected: a positive id', 'a clause with _D removes: '//trim(word)//'_D')
             end do
-            call take_ids(draft, shop, group, kind, ids, from, to, list)
+            if (index(suffix, 'G') > 0) then
+               call take_clause_ranges(draft, shop, group, kinds(row), ids, from, to, some)
+            else
+               call take_ids(draft, shop, group, kinds(row), ids, from, to, some)
+            end if
          end associate
+         if (scan(suffix, 'DI') == 0) then
+            call add_nodes(some%node(:some%n), list)
+            cycle
+         end if
+         call finish_list(draft%id, some, node)
+         if (index(suffix, 'D') > 0) call remove_nodes(draft%id, node, list)
+         if (index(suffix, 'I') > 0) call keep_nodes(draft%id, node, list)
       end do
    end subroutine fill_set
 
-   !> Append the nodes that the ids from to to stand for. What groups remove is removed in the end.
+   !> Ranges of a clause: first, last, step stand in three fields; a step 0 is 1
+   recursive subroutine take_clause_ranges(draft, shop, group, kind, ids, from, to, list)
+      type(draft_t), intent(inout) :: draft
+      type(workshop_t), intent(inout) :: shop
+      integer, intent(in) :: group, from, to
+      type(kind_t), intent(in) :: kind
+      type(ids_t), intent(in) :: ids
+      type(node_list_t), intent(inout) :: list
+
+      integer :: k, j, range(3), column, place
+      integer, allocatable :: known(:)
+
+      k = from
+      do while (k <= to)
+         range = 0
+         column = (ids%first(k) - 11)/30
+         place = k
+         do while (k <= to)
+            if (ids%line(k) /= ids%line(place) .or. (ids%first(k) - 11)/30 /= column) exit
+            range(modulo((ids%last(k) - 11)/10, 3) + 1) = ids%value(k)
+            k = k + 1
+         end do
+         if (range(2) == 0) call report_id(draft%deck, ids, place, SEV_ERROR, 'KJ-9137', &
+            'a range without its end', 'expected: first and last id')
+         if (range(2) == 0) cycle
+         call ids_of_kind(draft, kind, known)
+         known = pack(known, known >= range(1) .and. known <= range(2))
+         if (range(3) > 1) known = pack(known, modulo(known - range(1), range(3)) == 0)
+         do j = 1, size(known)
+            if (kind%of == A_NODE) call add_node(find(draft%node, known(j)), list)
+         end do
+         if (kind%of /= A_NODE) call take_ids(draft, shop, group, kind, as_list(known, ids, place), &
+            1, size(known), list)
+      end do
+   end subroutine take_clause_ranges
+
+   !> All ids of what a clause names
+   subroutine ids_of_kind(draft, kind, known)
+      type(draft_t), intent(inout) :: draft
+      type(kind_t), intent(in) :: kind
+      integer, allocatable, intent(out) :: known(:)
+
+      type(filter_t) :: filter
+      type(box_set_t) :: none
+
+      allocate (known(0))
+      select case (kind%of)
+      case (A_NODE); known = draft%node%id
+      case (A_PART); known = draft%part%id
+      case (A_GROUP); known = draft%group%id
+      case (AN_ELEMENT)
+         filter%kind = element_cards%group == kind%which
+         call walk_elements(draft, none, filter, ids=known)
+      end select
+      known = sort_unique(known)
+   end subroutine ids_of_kind
+
+   !> Ids that all stand at the place of id k of another list
+   pure function as_list(value, ids, k) result(list)
+      integer, intent(in) :: value(:), k
+      type(ids_t), intent(in) :: ids
+      type(ids_t) :: list
+
+      integer :: i
+
+      list%n = size(value)
+      list%value = value
+      list%line = [(ids%line(k), i=1, list%n)]
+      list%first = [(ids%first(k), i=1, list%n)]
+      list%last = [(ids%last(k), i=1, list%n)]
+   end function as_list
+
+   !> Append the nodes that the ids from to to stand for. What ids remove is removed in the end.
    recursive subroutine take_ids(draft, shop, group, kind, ids, from, to, list)
       type(draft_t), intent(inout) :: draft
       type(workshop_t), intent(inout) :: shop
@@ -169,75 +329,205 @@ contains
       integer, intent(in) :: from, to
       type(node_list_t), intent(inout) :: list
 
-      integer :: k, end, place, sign
-      character(len=160) :: hint
+      type(node_list_t) :: some
+      integer, allocatable :: node(:)
+      integer :: sign
 
-      end = to
-      if (kind%of == A_NODE) end = to - kind%together + 1     ! ranges without an end are left out
-      do sign = 1, merge(-1, 1, kind%of == A_GROUP), -2
-         do k = from, end, kind%together
-            associate (id => ids%value(k), last => ids%value(min(k + min(kind%together, 2) - 1, &
-               to)))
-               if (kind%of == A_GROUP .and. id*sign < 0) cycle
-               place = 1
-               hint = ''
-               select case (kind%of)
-               case (A_NODE)
-                  if (kind%together == 1) place = find(draft%node, id)
-                  call take_nodes(draft, kind%together, ids, k, place, list)
-               case (A_PART)
-                  if (kind%together == 1) place = find(draft%part, id)
-                  if (place == 0) hint = known_ids(draft%part, 'part')
-                  if (place > 0) call add_parts(draft, id, last, list)
-               case (AN_ELEMENT)
-                  if (kind%together == 1) place = find(draft%elements%id, id)
-                  if (place > 0) call add_elements(draft, id, last, list)
-               case (A_BOX)
-                  place = find(shop%boxes%id, id)
-                  if (place == 0) hint = known_ids(shop%boxes%id, 'box')
-                  if (place > 0) call add_box(draft, shop%boxes, place, list)
-               case default   ! A_GROUP
-                  place = find(draft%group, abs(id))
-                  if (place == 0) hint = known_ids(draft%group, 'node group')
-                  if (place > 0) call take_group(draft, shop, group, place, ids, k, list)
-               end select
-               if (place == 0 .and. (kind%of /= A_NODE .or. id >= 0)) call report_id(draft%deck, &
-                  ids, k, kind%severity, kind%missing, trim(WHAT(kind%of))//' '// &
-                  str(merge(abs(id), id, kind%of == A_GROUP))// &
-                  ' is not defined', merge('no such node', 'adds no node', kind%of == A_NODE), hint)
-            end associate
-         end do
-      end do
+      if (.not. allocated(list%node)) allocate (list%node(16))
+      select case (kind%of)
+      case (A_NODE)
+         call take_nodes(draft, kind, ids, from, to, list)
+      case (A_SEGMENT)
+         call take_segments(draft, kind, ids, from, to, list)
+      case (AN_ELEMENT)
+         call take_elements(draft, shop%boxes, kind, ids, from, to, list)
+      case (ALL_NODES)
+         call add_nodes(draft%node%place, list)
+      case default
+         call take_signed(draft, shop, group, kind, ids, from, to, 1, list)
+         if (all(ids%value(from:to) > 0)) return
+         call take_signed(draft, shop, group, kind, ids, from, to, -1, some)
+         sign = some%n
+         call finish_list(draft%id, some, node)
+         if (sign > 0) call remove_nodes(draft%id, node, list)
+      end select
    end subroutine take_ids
 
-   !> Append a node, or those of a range of ids
-   subroutine take_nodes(draft, together, ids, k, place, list)
+   !> The nodes behind the ids of one sign
+   recursive subroutine take_signed(draft, shop, group, kind, ids, from, to, sign, list)
       type(draft_t), intent(inout) :: draft
-      integer, intent(in) :: together            !! 1 a node, 2 a range, 3 with an increment
+      type(workshop_t), intent(inout) :: shop
+      integer, intent(in) :: group, from, to, sign
+      type(kind_t), intent(in) :: kind
       type(ids_t), intent(in) :: ids
-      integer, intent(in) :: k                   !! the first of the ids
-      integer, intent(in) :: place               !! raw index of the node, 0 = not defined
       type(node_list_t), intent(inout) :: list
 
+      type(filter_t) :: filter
+      integer :: k, before, i
+      logical :: known
+      logical, allocatable :: part(:)
+
+      filter%kind = all_kinds()
+      allocate (filter%part(size(draft%part_block)), source=.false.)
+      do k = from, to
+         if (ids%value(k)*sign <= 0) cycle
+         associate (id => abs(ids%value(k)))
+            before = list%n
+            known = .true.
+            select case (kind%of)
+            case (A_PART)
+               allocate (part(size(filter%part)), source=.false.)
+               call parts_of(draft, trim(merge('SUBSET', kind%clause, kind%clause == 'SUBS')), id, &
+                  part)
+               known = any(part)
+               filter%part = filter%part .or. part
+               deallocate (part)
+            case (A_BOX)
+               known = find(shop%boxes%id, id) > 0
+               if (known) call add_box(draft, shop%boxes, find(shop%boxes%id, id), list)
+            case (A_GROUP)
+               known = find(draft%group, id) > 0
+               if (known) call take_group(draft, shop, group, find(draft%group, id), ids, k, list)
+            case (A_SUBMODEL)
+               call submodel_nodes(draft, id, list)
+               known = list%n > before
+            case (A_BODY)
+               call take_body(draft, shop, group, ids, k, known, list)
+            case default
+               call take_selection(draft, shop%boxes, kind, id, list)
+               known = list%n > before
+            end select
+            if (known) cycle
+            i = k
+            call report_id(draft%deck, ids, i, kind%severity, kind%missing, trim(kind%what)//' '// &
+               str(id)//merge(' is not defined', ' has no node   ', kind%of <= A_GROUP), &
+               'adds no node', known_of(draft, shop%boxes, kind))
+         end associate
+      end do
+      if (kind%of == A_PART) call walk_elements(draft, shop%boxes, filter, list)
+   end subroutine take_signed
+
+   !> "defined: 1 2 3" of a kind, for a hint
+   pure function known_of(draft, boxes, kind) result(hint)
+      type(draft_t), intent(in) :: draft
+      type(box_set_t), intent(in) :: boxes
+      type(kind_t), intent(in) :: kind
+      character(len=160) :: hint
+
+      hint = ''
+      if (kind%what == 'part') hint = known_ids(draft%part, 'part')
+      if (kind%what == 'box') hint = known_ids(boxes%id, 'box')
+      if (kind%what == 'node group') hint = known_ids(draft%group, 'node group')
+   end function known_of
+
+   !> Nodes of a group of elements, a surface or a line
+   subroutine take_selection(draft, boxes, kind, id, list)
+      type(draft_t), intent(inout) :: draft
+      type(box_set_t), intent(in) :: boxes
+      type(kind_t), intent(in) :: kind
+      integer, intent(in) :: id
+      type(node_list_t), intent(inout) :: list
+
+      type(filter_t) :: filter
+      type(faces_t) :: faces
+      integer :: i
+
+      select case (kind%of)
+      case (AN_ELEMENT_GROUP)
+         filter%kind = element_cards%group == kind%which
+         call element_ids_of(draft, boxes, kind%which, id, 0, filter%id)
+         if (size(filter%id) > 0) call walk_elements(draft, boxes, filter, list)
+      case (A_SURFACE)
+         call surface_of(draft, boxes, id, 0, faces)
+         do i = 1, faces%n
+            call add_nodes(faces%node(:, i), list)
+         end do
+      case (A_LINE)
+         call line_nodes(draft, boxes, id, list)
+      end select
+   end subroutine take_selection
+
+   !> Append nodes, or those of ranges of ids
+   subroutine take_nodes(draft, kind, ids, from, to, list)
+      type(draft_t), intent(inout) :: draft
+      type(kind_t), intent(in) :: kind
+      type(ids_t), intent(in) :: ids
+      integer, intent(in) :: from, to
+      type(node_list_t), intent(inout) :: list
+
+      integer :: k, raw
+
       associate (id => ids%value)
-         if (together == 1 .and. place > 0) then
-            call add_node(place, list)
-         else if (together == 1 .and. id(k) < 0) then
-            call report_id(draft%deck, ids, k, SEV_WARNING, 'KJ-9134', 'a negative node id', &
-               'ignored, as in Radioss')
-         else if (together == 2) then
-            if (id(k) > id(k + 1)) call report_id(draft%deck, ids, k, SEV_WARNING, 'KJ-9132', &
-               'a range ends before it begins', 'no node in it')
-            call add_range(draft, id(k), id(k + 1), 1, list)
-         else if (together == 3) then
-            if (id(k + 2) > 0) call add_range(draft, id(k), id(k + 1), id(k + 2), list)
-            if (id(k + 2) <= 0) call report_id(draft%deck, ids, k + 2, SEV_ERROR, 'KJ-9133', &
-               'the increment of a range is not positive', 'expected: 1 or more')
-         end if
+         do k = from, to - kind%together + 1, kind%together   ! a range without an end is left out
+            select case (kind%together)
+            case (1)
+               raw = find(draft%node, id(k))
+               if (raw > 0) then
+                  call add_node(raw, list)
+               else if (id(k) < 0) then
+                  call report_id(draft%deck, ids, k, SEV_WARNING, 'KJ-9134', 'a negative node id', &
+                     'ignored, as in Radioss')
+               else
+                  call report_id(draft%deck, ids, k, kind%severity, kind%missing, 'node '// &
+                     str(id(k))//' is not defined', 'no such node')
+               end if
+            case (2)
+               if (id(k) > id(k + 1)) call report_id(draft%deck, ids, k, SEV_WARNING, 'KJ-9132', &
+                  'a range ends before it begins', 'no node in it')
+               call add_range(draft%node, id(k), id(k + 1), 1, list)
+            case default
+               if (id(k + 2) > 0) call add_range(draft%node, id(k), id(k + 1), id(k + 2), list)
+               if (id(k + 2) <= 0) call report_id(draft%deck, ids, k + 2, SEV_ERROR, 'KJ-9133', &
+                  'the increment of a range is not positive', 'expected: 1 or more')
+            end select
+         end do
       end associate
    end subroutine take_nodes
 
-   !> Append the nodes of another group, or remove them where its id is negative
+   !> Nodes of segments: the first id of a card is that of the segment
+   subroutine take_segments(draft, kind, ids, from, to, list)
+      type(draft_t), intent(inout) :: draft
+      type(kind_t), intent(in) :: kind
+      type(ids_t), intent(in) :: ids
+      integer, intent(in) :: from, to
+      type(node_list_t), intent(inout) :: list
+
+      integer :: k
+
+      do k = from, to
+         if (ids%last(k) > 20) call take_nodes(draft, kind, ids, k, k, list)
+      end do
+   end subroutine take_segments
+
+   !> Nodes of elements by their ids
+   subroutine take_elements(draft, boxes, kind, ids, from, to, list)
+      type(draft_t), intent(inout) :: draft
+      type(box_set_t), intent(in) :: boxes
+      type(kind_t), intent(in) :: kind
+      type(ids_t), intent(in) :: ids
+      integer, intent(in) :: from, to
+      type(node_list_t), intent(inout) :: list
+
+      type(filter_t) :: filter
+      integer, allocatable :: found(:)
+      integer :: k, at
+
+      filter%kind = element_cards%group == kind%which
+      filter%id = sort_unique(ids%value(from:to))
+      allocate (found(0))
+      call walk_elements(draft, boxes, filter, list, found)
+      found = sort_unique(found)
+      do k = from, to
+         at = lower_bound(found, ids%value(k))
+         if (at <= size(found)) then
+            if (found(at) == ids%value(k)) cycle
+         end if
+         call report_id(draft%deck, ids, k, kind%severity, kind%missing, trim(kind%what)//' '// &
+            str(ids%value(k))//' is not defined', 'adds no node')
+      end do
+   end subroutine take_elements
+
+   !> Append the nodes of another group
    recursive subroutine take_group(draft, shop, group, other, ids, k, list)
       type(draft_t), intent(inout) :: draft
       type(workshop_t), intent(inout) :: shop
@@ -246,8 +536,6 @@ contains
       integer, intent(in) :: k                   !! id that names the other group
       type(node_list_t), intent(inout) :: list
 
-      integer :: i
-
       if (shop%state(other) == UNDER_WAY) then
          call report_id(draft%deck, ids, k, SEV_ERROR, 'KJ-9136', &
             'node groups name each other in a circle', 'this group needs the one it is in')
@@ -255,61 +543,33 @@ contains
       end if
       call fill_group(draft, shop, other)
       shop%spoilt(group) = shop%spoilt(group) .or. shop%spoilt(other)
-      if (ids%value(k) < 0) then
-         call remove_nodes(draft, draft%groups(other)%node, list)
-         return
-      end if
-      do i = 1, size(draft%groups(other)%node)
-         call add_node(draft%groups(other)%node(i), list)
-      end do
+      call add_nodes(draft%groups(other)%node, list)
    end subroutine take_group
 
-   !> /BOX/RECTA: two corners, as points in W or as nodes; the edges are along the skew
-   subroutine build_boxes(draft, boxes)
+   !> Append the main node of a rigid body and those of its group
+   recursive subroutine take_body(draft, shop, group, ids, k, known, list)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(out) :: boxes
+      type(workshop_t), intent(inout) :: shop
+      integer, intent(in) :: group
+      type(ids_t), intent(in) :: ids
+      integer, intent(in) :: k
+      logical, intent(out) :: known
+      type(node_list_t), intent(inout) :: list
 
       type(cards_t) :: cards
-      integer, allocatable :: blocks(:)
-      real(wp) :: corner(3, 2), a(3, 3)
-      logical :: typed(2)
-      integer :: i
+      integer :: block, other
 
-      call find_blocks(draft%deck, [KW_BOX_RECTA], 'box', blocks, boxes%id)
-      allocate (boxes%skew(size(blocks)), boxes%lo(3, size(blocks)), boxes%hi(3, size(blocks)))
-      do i = 1, size(blocks)
-         call read_cards(draft%deck, blocks(i), cards)
-         call read_corner(draft, cards, '1', corner(:, 1), typed(1))
-         call read_corner(draft, cards, '2', corner(:, 2), typed(2))
-         boxes%skew(i) = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
-         if (boxes%skew(i) > 0 .and. any(typed)) call report(draft%deck, cards, 'skew_id', &
-            SEV_WARNING, 'KJ-9142', &
-            'a box with a skew: its corners are taken as points in global axes', &
-            'gives the directions of the edges', &
-            hint='name nodes as corners where this is not meant')
-         a = reshape(draft%skews%axes(boxes%skew(i), :), [3, 3])
-         corner = matmul(transpose(a), corner)
-         boxes%lo(:, i) = min(corner(:, 1), corner(:, 2))
-         boxes%hi(:, i) = max(corner(:, 1), corner(:, 2))
+      known = .false.
+      do block = 1, draft%deck%n_block
+         if (draft%deck%block(block)%keyword /= KW_RBODY) cycle
+         if (draft%deck%block(block)%id /= ids%value(k)) cycle
+         known = .true.
+         call read_cards(draft%deck, block, cards)
+         call add_nodes([find(draft%node, int_of(cards, 'node_id'))], list)
+         other = find(draft%group, int_of(cards, 'grnod_id'))
+         if (other > 0) call take_group(draft, shop, group, other, ids, k, list)
       end do
-   end subroutine build_boxes
-
-   !> A corner: the place of node n1 (n2), or else the point that is typed
-   subroutine read_corner(draft, cards, which, corner, typed)
-      type(draft_t), intent(inout) :: draft
-      type(cards_t), intent(in) :: cards
-      character(len=1), intent(in) :: which      !! 1 or 2
-      real(wp), intent(out) :: corner(3)         !! W, length
-      logical, intent(out) :: typed
-
-      integer :: raw
-
-      corner = [real_of(cards, 'X'//which), real_of(cards, 'Y'//which), real_of(cards, 'Z'//which)]
-      typed = int_of(cards, 'n'//which) == 0
-      if (typed) return
-      raw = node_of(draft, cards, 'n'//which)
-      if (raw > 0) corner = draft%x(raw, :)
-   end subroutine read_corner
+   end subroutine take_body
 
    !> Append the nodes in a box, its faces included
    pure subroutine add_box(draft, boxes, box, list)
@@ -318,142 +578,11 @@ contains
       integer, intent(in) :: box
       type(node_list_t), intent(inout) :: list
 
-      real(wp) :: a(3, 3), p(3)
       integer :: i
 
-      a = reshape(draft%skews%axes(boxes%skew(box), :), [3, 3])
       do i = 1, draft%n_node
-         p = draft%x(i, :)
-         if (boxes%skew(box) > 0) p = matmul(p, a)
-         if (all(p >= boxes%lo(:, box)) .and. all(p <= boxes%hi(:, box))) call add_node(i, list)
+         if (is_inside(draft, boxes, box, draft%x(i, :))) call add_node(i, list)
       end do
    end subroutine add_box
-
-   !> Append one node
-   pure subroutine add_node(raw, list)
-      integer, intent(in) :: raw                 !! raw index, > 0
-      type(node_list_t), intent(inout) :: list
-
-      if (.not. allocated(list%node)) allocate (list%node(16))
-      if (list%n == size(list%node)) call lengthen(list%node)
-      list%n = list%n + 1
-      list%node(list%n) = raw
-   end subroutine add_node
-
-   !> Remove nodes wherever they stand in the list
-   pure subroutine remove_nodes(draft, raw, list)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: raw(:)              !! ascending user id
-      type(node_list_t), intent(inout) :: list
-
-      integer, allocatable :: id(:)
-      integer :: i, n, at
-
-      id = draft%id(raw)
-      n = 0
-      do i = 1, list%n
-         at = lower_bound(id, draft%id(list%node(i)))
-         if (at <= size(raw)) then
-            if (raw(at) == list%node(i)) cycle
-         end if
-         n = n + 1
-         list%node(n) = list%node(i)
-      end do
-      list%n = n
-   end subroutine remove_nodes
-
-   !> Append the nodes whose ids are first, first + step, ... up to last
-   pure subroutine add_range(draft, first, last, step, list)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: first, last, step   !! step > 0
-      type(node_list_t), intent(inout) :: list
-
-      integer :: i
-
-      do i = lower_bound(draft%node%id, first), size(draft%node%id)
-         if (draft%node%id(i) > last) return
-         if (is_step(draft%node%id(i), first, step)) call add_node(draft%node%place(i), list)
-      end do
-   end subroutine add_range
-
-   !> id - first is a multiple of step; both may be as far apart as integers go
-   pure logical function is_step(id, first, step)
-      integer, intent(in) :: id, first, step
-
-      is_step = modulo(modulo(id, step) - modulo(first, step), step) == 0
-   end function is_step
-
-   !> Append both ends of the elements of the parts whose ids are in [first, last]
-   pure subroutine add_parts(draft, first, last, list)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: first, last
-      type(node_list_t), intent(inout) :: list
-
-      integer :: i, k
-
-      do k = lower_bound(draft%part%id, first), size(draft%part%id)
-         if (draft%part%id(k) > last) return
-         associate (part => draft%part%place(k), elements => draft%elements%of_part)
-            do i = lower_bound(elements%id, part), size(elements%id)
-               if (elements%id(i) > part) exit
-               call add_ends(draft, elements%place(i), list)
-            end do
-         end associate
-      end do
-   end subroutine add_parts
-
-   !> Append both ends of the elements whose ids are in [first, last]
-   pure subroutine add_elements(draft, first, last, list)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: first, last
-      type(node_list_t), intent(inout) :: list
-
-      integer :: i
-
-      associate (lookup => draft%elements%id)
-         do i = lower_bound(lookup%id, first), size(lookup%id)
-            if (lookup%id(i) > last) return
-            call add_ends(draft, lookup%place(i), list)
-         end do
-      end associate
-   end subroutine add_elements
-
-   pure subroutine add_ends(draft, element, list)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: element
-      type(node_list_t), intent(inout) :: list
-
-      integer :: e
-
-      do e = 1, 2
-         if (draft%elements%node(e, element) > 0) &
-            call add_node(draft%elements%node(e, element), list)
-      end do
-   end subroutine add_ends
-
-   !> The nodes of a list, each once, ascending user id
-   pure subroutine finish_list(draft, list, node)
-      type(draft_t), intent(in) :: draft
-      type(node_list_t), intent(in) :: list
-      integer, allocatable, intent(out) :: node(:)
-
-      integer :: i, n
-      integer, allocatable :: order(:)
-
-      allocate (node(list%n))
-      if (list%n == 0) return
-      order = sorted_order(draft%id(list%node(:list%n)))
-      n = 0
-      do i = 1, list%n
-         associate (raw => list%node(order(i)))
-            if (n > 0) then
-               if (draft%id(node(n)) == draft%id(raw)) cycle
-            end if
-            n = n + 1
-            node(n) = raw
-         end associate
-      end do
-      node = node(:n)
-   end subroutine finish_list
 
 end module kj_build_group

@@ -8,9 +8,10 @@ module kj_build_scene
       KW_RANDOM, KW_PART, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_MAT_VOID, &
       keywords
    use kj_deck_text, only: deck_t, report_header
+   use kj_element_cards, only: element_row
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
       report_row, row_of
-   use kj_draft, only: draft_t, blocks_of, group_nodes, known_ids, find_blocks, reference
+   use kj_draft, only: draft_t, blocks_of, group_nodes, known_ids, find_blocks, reference, unsupported
    implicit none
    private
 
@@ -31,6 +32,7 @@ contains
       draft%n_node = n
       draft%id = rows%ints(:, 1)
       draft%x = rows%reals(:, 1:3)
+      if (draft%deck%n_submodel > 0) draft%node_submodel = draft%deck%block(rows%block)%submodel
       call new_lookup(draft%id, draft%node)
       do i = 1, n
          associate (id => draft%node%id(i), row => row_of(rows, draft%node%place(i)))
@@ -236,10 +238,14 @@ contains
       materials = [materials, other_materials(draft%deck)]
       call new_lookup(draft%deck%block(materials)%id, material)
       call find_blocks(draft%deck, [KW_PART], 'part', draft%part_block, draft%part)
-      allocate (draft%part_property(size(draft%part_block)))
+      allocate (draft%part_property(size(draft%part_block)), draft%part_ids(3, size(draft%part_block)))
       do i = 1, size(draft%part_block)
          call read_cards(draft%deck, draft%part_block(i), cards)
-         draft%part_property(i) = reference(draft%deck, cards, 'prop_id', draft%property, &
+         draft%part_ids(:, i) = [int_of(cards, 'prop_id'), int_of(cards, 'mat_id'), &
+            int_of(cards, 'subset_id')]
+         draft%part_property(i) = find(draft%property, int_of(cards, 'prop_id'))
+         if (.not. is_left_out(draft%deck, 'property', int_of(cards, 'prop_id'))) &
+            draft%part_property(i) = reference(draft%deck, cards, 'prop_id', draft%property, &
             'property', 'KJ-0178')
          if (int_of(cards, 'prop_id') == 0) call report(draft%deck, cards, 'prop_id', SEV_ERROR, &
             'KJ-0178', 'the part has no property', 'expected: id of a property')
@@ -249,9 +255,37 @@ contains
             hint='put the nodes of the part into a /RBODY')
       end do
       call read_elements(draft)
+      call check_element_parts(draft)
       if (size(draft%part_block) == 0 .and. draft%deck%n_block > 0) call report_header(draft%deck, &
          1, SEV_WARNING, 'KJ-1114', 'the deck has no /PART, so no joint', 'this deck')
    end subroutine build_parts
+
+   !> Elements of a part that is not defined: groups would lack their nodes
+   subroutine check_element_parts(draft)
+      type(draft_t), intent(inout) :: draft
+
+      integer :: i
+
+      do i = 1, draft%deck%n_block
+         associate (b => draft%deck%block(i))
+            if (element_row(b%keyword) == 0 .or. b%keyword == KW_SPRING .or. b%last < b%first) cycle
+            if (find(draft%part, b%id) == 0 .and. draft%deck%lenient) call report_header( &
+               draft%deck, i, SEV_ERROR, 'KJ-0402', 'part '//str(b%id)// &
+               ' of these elements is not defined', 'the id is that of a part', &
+               hint=known_ids(draft%part, 'part'))
+         end associate
+      end do
+   end subroutine check_element_parts
+
+   !> What has this id is out of scope, and that is left out
+   pure logical function is_left_out(deck, what, id)
+      type(deck_t), intent(in) :: deck
+      character(len=*), intent(in) :: what
+      integer, intent(in) :: id
+
+      is_left_out = deck%lenient
+      if (is_left_out) is_left_out = unsupported(deck, what, id) > 0
+   end function is_left_out
 
    !> Blocks of materials that --ignore-unsupported let pass
    pure function other_materials(deck) result(list)
@@ -291,6 +325,12 @@ contains
                if (part == 0 .and. last >= first) call report_header(draft%deck, blocks(b), &
                   SEV_ERROR, 'KJ-0402', 'part '//str(id)//' of these elements is not defined', &
                   'the id is that of a part', hint=known_ids(draft%part, 'part'))
+               if (part > 0 .and. .not. draft%deck%full) then
+                  if (is_left_out(draft%deck, 'property', draft%part_ids(1, part))) &
+                     call report_header(draft%deck, blocks(b), SEV_WARNING, 'KJ-9409', &
+                     'the springs of part '//str(id)//' are left out', &
+                     'their property is out of scope')
+               end if
             end associate
          end do
          do i = 1, n

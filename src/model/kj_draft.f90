@@ -15,7 +15,7 @@ module kj_draft
    private
 
    public :: draft_t, sensor_t, group_t, elements_t, property_t, joint_t, blocks_of, find_blocks, &
-      reference, node_of, group_nodes, report_double_blocks, known_ids
+      reference, node_of, unsupported, group_nodes, report_double_blocks, known_ids
 
    !> A set of nodes
    type :: group_t
@@ -110,6 +110,8 @@ module kj_draft
       type(property_t), allocatable :: properties(:)
       integer, allocatable :: property_block(:)  !! KJOINT, KJOINT2, then springs of types 4 and 8
       integer, allocatable :: part_property(:)   !! place in property_block, 0 = none
+      integer, allocatable :: part_ids(:, :)     !! (3, parts) ids of property, material, subset
+      integer, allocatable :: node_submodel(:)   !! where the deck has submodels: that of each node
    end type draft_t
 
    !> How a header begins that could define what a field names

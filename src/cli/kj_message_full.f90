@@ -1,0 +1,28 @@
+!> Messages on full decks: submodels, parameters, elements, what a mechanism loses.
+module kj_message_full
+   use kj_error, only: SEV_ERROR, SEV_NOTE, SEV_WARNING
+   use kj_message_text, only: message_t
+   implicit none
+   private
+
+   type(message_t), parameter, public :: full_messages(*) = [ &
+   message_t('KJ-9401', SEV_WARNING, 'a submodel has no end', 'A //SUBMODEL is open at the end of the deck.', &
+      'Write //ENDSUB after its last block.'), &
+   message_t('KJ-9402', SEV_WARNING, 'the end of no submodel', 'An //ENDSUB stands where no //SUBMODEL is open.', &
+      'Remove it.'), &
+   message_t('KJ-9403', SEV_ERROR, 'a parameter has no name', 'Columns 1 to 10 of the card of a /PARAMETER are blank.', &
+      'Write a name there.'), &
+   message_t('KJ-9404', SEV_ERROR, 'the value of a parameter is wrong', 'A REAL needs a number, an INTEGER a whole one '// &
+      'within its range; --set gives the value in place of the deck.', 'Correct the value.'), &
+   message_t('KJ-9405', SEV_ERROR, 'an expression has no value', 'It names what has no value, goes round in a circle, '// &
+      'or is no expression of numbers, names, + - * / ^ and functions.', 'Correct the expression.'), &
+   message_t('KJ-9406', SEV_WARNING, 'nothing reads a parameter', 'No field and no expression has &NAME.', &
+      'Check the spelling where it should be read, or remove it.'), &
+   message_t('KJ-9407', SEV_ERROR, 'there is no such parameter', 'A value was given with --set for a name that the deck '// &
+      'does not define.', 'Correct the name.'), &
+   message_t('KJ-9408', SEV_WARNING, 'a selection is empty', 'The group of elements, surface, line or body that a group of '// &
+      'nodes names does not exist, or has no node.', 'Correct the id.'), &
+   message_t('KJ-9409', SEV_WARNING, 'springs are left out', 'Their property is of a kind that is not supported, and '// &
+      '--ignore-unsupported leaves it out.', 'Use another kind of property if they matter.')]
+
+end module kj_message_full

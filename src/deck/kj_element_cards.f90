@@ -1,0 +1,113 @@
+!> THE table of the cards of elements, and their reader. An element is read when somebody asks for
+!> its nodes, and never kept.
+module kj_element_cards
+   use kj_keywords, only: KW_SHELL, KW_SH3N, KW_BRICK, KW_TETRA4, KW_PENTA6, KW_TETRA10, &
+      KW_BRIC20, KW_SHEL16, KW_BEAM, KW_TRUSS, KW_SPRING, KW_GRSHEL, KW_GRSH3N, KW_GRBRIC, &
+      KW_GRBEAM, KW_GRTRUS, KW_GRSPRI
+   use kj_deck_text, only: deck_t
+   use kj_card_cut, only: cut_t, cut_card, read_integer_at
+   use kj_number, only: parse_integer, NUMBER_FINE, NUMBER_BLANK
+   implicit none
+   private
+
+   public :: element_row, read_element
+
+   integer, parameter, public :: MOST_NODES = 20
+
+   !> A row: integers of ten columns each, the id first, then nodes
+   type :: element_cards_t
+      integer           :: keyword       !! KW_ constant
+      integer           :: group         !! KW_ constant of the groups of its kind
+      integer           :: ints(3)       !! integers on cards 1, 2, 3; 0 = no such card
+      integer           :: members       !! nodes that belong to it; those after them only orient it
+      character(len=10) :: name          !! of many of them
+   end type element_cards_t
+
+   type(element_cards_t), parameter, public :: element_cards(*) = [ &
+      element_cards_t(KW_SHELL,   KW_GRSHEL, [5, 0, 0],   4, 'shells'), &
+      element_cards_t(KW_SH3N,    KW_GRSH3N, [4, 0, 0],   3, 'triangles'), &
+      element_cards_t(KW_BRICK,   KW_GRBRIC, [9, 0, 0],   8, 'solids'), &
+      element_cards_t(KW_TETRA4,  KW_GRBRIC, [5, 0, 0],   4, 'solids'), &
+      element_cards_t(KW_PENTA6,  KW_GRBRIC, [7, 0, 0],   6, 'solids'), &
+      element_cards_t(KW_TETRA10, KW_GRBRIC, [1, 10, 0], 10, 'solids'), &
+      element_cards_t(KW_BRIC20,  KW_GRBRIC, [9, 8, 4],  20, 'solids'), &
+      element_cards_t(KW_SHEL16,  KW_GRBRIC, [9, 4, 4],  16, 'solids'), &
+      element_cards_t(KW_BEAM,    KW_GRBEAM, [4, 0, 0],   2, 'beams'), &
+      element_cards_t(KW_TRUSS,   KW_GRTRUS, [3, 0, 0],   2, 'trusses'), &
+      element_cards_t(KW_SPRING,  KW_GRSPRI, [7, 0, 0],   6, 'springs')]
+
+contains
+
+   !> Row of a keyword; 0 when it is no element
+   pure integer function element_row(keyword) result(row)
+      integer, intent(in) :: keyword             !! KW_ constant
+
+      do row = size(element_cards), 1, -1
+         if (element_cards(row)%keyword == keyword) return
+      end do
+   end function element_row
+
+   !> The element that begins on a line; a card that is missing reads as zeros
+   !>
+   !> Goes on after a wrong field: it reads as 0, and a finding tells of it.
+   subroutine read_element(deck, row, line, last, id, node)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: row                 !! of the table
+      integer, intent(inout) :: line             !! index in deck; then that of the next element
+      integer, intent(in) :: last                !! last line of the block
+      integer, intent(out) :: id
+      integer, intent(out) :: node(MOST_NODES)   !! ids, 0 = none
+
+      integer :: value(MOST_NODES + 1), n, card
+
+      value = 0
+      n = 0
+      do card = 1, 3
+         if (element_cards(row)%ints(card) == 0) exit
+         if (line <= last) call read_card(deck, line, element_cards(row)%ints(card), value(n + 1:))
+         n = n + element_cards(row)%ints(card)
+         line = line + 1
+      end do
+      id = value(1)
+      node = value(2:)
+   end subroutine read_element
+
+   !> n integers of a line
+   subroutine read_card(deck, line, n, value)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: line, n
+      integer, intent(inout) :: value(:)         !! (>= n)
+
+      integer :: i, status, s, first, width
+
+      s = deck%line_source(line)
+      first = deck%line_first(line)
+      width = deck%line_last(line) - first + 1
+      do i = 1, n
+         if (width < 10*i - 9) return
+         call parse_integer(deck%source(s)%text(first + 10*i - 10:first + min(10*i, width) - 1), &
+            value(i), status)
+         if (status == NUMBER_FINE .or. status == NUMBER_BLANK) cycle
+         call read_odd_card(deck, line, n, value)
+         return
+      end do
+   end subroutine read_card
+
+   !> The same for a line that is cut at commas, or wrong
+   subroutine read_odd_card(deck, line, n, value)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: line, n
+      integer, intent(inout) :: value(:)
+
+      type(cut_t) :: cut
+      integer :: i, s
+
+      s = deck%line_source(line)
+      call cut_card(deck%source(s)%text(deck%line_first(line):deck%line_last(line)), n, &
+         [(10*i - 9, i=1, n)], [(10*i, i=1, n)], cut)
+      do i = 1, n
+         call read_integer_at(deck, line, cut%first(i), cut%last(i), 'the id', 'an id', value(i))
+      end do
+   end subroutine read_odd_card
+
+end module kj_element_cards

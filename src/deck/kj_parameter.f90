@@ -1,0 +1,320 @@
+!> /PARAMETER: names with values, and what stands for &name in a field.
+module kj_parameter
+   use kj_kinds, only: wp
+   use kj_error, only: error_t, fail, add_finding, SEV_ERROR, SEV_WARNING, ERR_INPUT, str
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_WHOLE_REAL
+   use kj_expression, only: names_t, evaluate
+   use kj_keywords, only: KW_PARAMETER
+   use kj_deck_text, only: deck_t, line_text, first_card, add_deck_finding, report_header
+   use kj_card_text, only: real_text
+   implicit none
+   private
+
+   public :: parameters_t, setting_t, read_parameters, replace_names, report_unused
+
+   integer, parameter :: LETTER_COUNT = 10       !! characters of a name
+
+   !> name=value from outside, which takes the place of the value in the deck
+   type :: setting_t
+      character(len=:), allocatable :: name, value
+   end type setting_t
+
+   !> What a parameter holds
+   integer, parameter :: A_REAL = 1, AN_INTEGER = 2, A_TEXT = 3
+
+   !> One parameter
+   type :: parameter_t
+      character(len=LETTER_COUNT) :: name = ''
+      integer :: kind = A_REAL
+      logical :: expression = .false., used = .false., under_way = .false.
+      !> known in the file or submodel of this block alone; 0 = everywhere
+      integer :: source = 0, submodel = 0
+      integer :: line = 0                        !! of its card, index in deck
+      character(len=:), allocatable :: text      !! its value; until it is worked out, an expression
+   end type parameter_t
+
+   !> All of a deck
+   type, extends(names_t) :: parameters_t
+      type(parameter_t), allocatable :: item(:)
+      integer :: from = 0                        !! line that asks for a name
+      logical :: outside = .false.               !! some name was given from outside
+      type(deck_t), pointer :: deck => null()
+   contains
+      procedure :: value_of
+   end type parameters_t
+
+contains
+
+   !> All parameters of a deck; settings take the place of values
+   !>
+   !> Errors: findings, KJ-9403 to KJ-9407
+   subroutine read_parameters(deck, settings, list)
+      type(deck_t), intent(inout), target :: deck
+      type(setting_t), intent(in) :: settings(:)
+      type(parameters_t), intent(inout) :: list
+
+      type(error_t), allocatable :: error
+      integer :: i, k, n, block
+      logical :: found
+
+      list%deck => deck
+      n = count(deck%block(:deck%n_block)%keyword == KW_PARAMETER)
+      allocate (list%item(n))
+      n = 0
+      do block = 1, deck%n_block
+         if (deck%block(block)%keyword /= KW_PARAMETER) cycle
+         n = n + 1
+         call read_parameter(deck, block, list%item(n))
+      end do
+      do i = 1, size(settings)
+         found = .false.
+         do k = 1, n
+            if (list%item(k)%name /= settings(i)%name) cycle
+            found = .true.
+            list%item(k)%text = settings(i)%value
+            list%item(k)%expression = .false.
+            call check_value(deck, list%item(k))
+         end do
+         if (found) cycle
+         call fail(error, ERR_INPUT, 'the deck has no parameter '//settings(i)%name, 'KJ-9407')
+         call add_finding(deck%findings, error)
+      end do
+      do k = 1, n
+         call work_out(list, k)
+      end do
+   end subroutine read_parameters
+
+   !> Name, kind, scope and value of one block
+   subroutine read_parameter(deck, block, p)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: block
+      type(parameter_t), intent(inout) :: p
+
+      character(len=:), allocatable :: header
+      character(len=100) :: card
+      integer :: line
+
+      header = line_text(deck, deck%block(block)%header)
+      line = first_card(deck, block)
+      p%line = line
+      p%text = ''
+      card = ''
+      if (line <= deck%block(block)%last) card = line_text(deck, line)
+      p%name = adjustl(card(:LETTER_COUNT))
+      if (index(header, '/LOCAL') > 0) then
+         p%submodel = deck%block(block)%submodel
+         if (p%submodel == 0) p%source = deck%line_source(deck%block(block)%header)
+      end if
+      p%expression = index(header, '_EXPR') > 0
+      if (index(header, '/INT') > 0) p%kind = AN_INTEGER
+      if (index(header, '/TEXT') > 0) p%kind = A_TEXT
+      if (p%expression) then
+         p%text = trim(card(11:))
+      else if (p%kind == AN_INTEGER) then
+         p%text = trim(adjustl(card(11:20)))
+      else if (p%kind == A_REAL) then
+         p%text = trim(adjustl(card(11:30)))
+      else if (line < deck%block(block)%last) then
+         p%text = trim(line_text(deck, line + 1))
+      end if
+      if (p%name == '') call report_header(deck, block, SEV_ERROR, 'KJ-9403', &
+         'the parameter has no name', 'expected: a name in columns 1 to 10 of its card')
+      if (.not. p%expression) call check_value(deck, p)
+   end subroutine read_parameter
+
+   !> A value must be what its kind says
+   subroutine check_value(deck, p)
+      type(deck_t), intent(inout) :: deck
+      type(parameter_t), intent(in) :: p
+
+      real(wp) :: x
+      integer :: i, status
+
+      status = NUMBER_FINE
+      if (p%kind == A_REAL) call parse_real(p%text, x, status)
+      if (p%kind == AN_INTEGER) call parse_integer(p%text, i, status)
+      if (status == NUMBER_FINE) return
+      call add_deck_finding(deck, p%line, 1, 30, SEV_ERROR, 'KJ-9404', 'the value "'//p%text// &
+         '" of parameter '//trim(p%name)//' is no '//merge('real number', 'integer    ', &
+         p%kind == A_REAL), 'expected: a number within range')
+   end subroutine check_value
+
+   !> The value of an expression becomes a text
+   recursive subroutine work_out(list, k)
+      type(parameters_t), intent(inout) :: list
+      integer, intent(in) :: k
+
+      character(len=:), allocatable :: problem
+      real(wp) :: value
+      integer :: from
+
+      if (.not. list%item(k)%expression .or. list%item(k)%under_way) return
+      list%item(k)%under_way = .true.
+      from = list%from
+      list%from = list%item(k)%line
+      call evaluate(list%item(k)%text, list, value, problem)
+      list%from = from
+      list%item(k)%under_way = .false.
+      list%item(k)%expression = .false.
+      if (problem == '' .and. list%item(k)%kind == AN_INTEGER .and. .not. abs(value) < &
+         real(huge(1), wp)) problem = 'it is larger than '//str(huge(1))
+      if (problem /= '') then
+         call add_deck_finding(list%deck, list%item(k)%line, 11, 100, SEV_ERROR, 'KJ-9405', &
+            'the expression of parameter '//trim(list%item(k)%name)//' has no value', problem)
+         value = 0.0_wp
+      end if
+      if (list%item(k)%kind == AN_INTEGER) then
+         list%item(k)%text = str(nint(value))
+      else
+         list%item(k)%text = real_text(value, 20)
+      end if
+   end subroutine work_out
+
+   !> Value of a name in an expression
+   recursive subroutine value_of(self, name, value, found)
+      class(parameters_t), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      real(wp), intent(out) :: value
+      logical, intent(out) :: found
+
+      integer :: k, status, line
+
+      value = 0.0_wp
+      line = self%from
+      k = place_of_name(self, name, line)
+      found = k > 0
+      if (.not. found) return
+      self%item(k)%used = .true.
+      found = .not. self%item(k)%under_way .and. self%item(k)%kind /= A_TEXT
+      if (.not. found) return
+      call work_out(self, k)
+      call parse_real(self%item(k)%text, value, status)
+      found = status == NUMBER_FINE
+   end subroutine value_of
+
+   !> The parameter that a name means on a line: a local one before a global one; 0 = none
+   pure integer function place_of_name(list, name, line) result(k)
+      class(parameters_t), intent(in) :: list
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: line                !! index in deck
+
+      integer :: i
+
+      k = 0
+      do i = 1, size(list%item)
+         if (list%item(i)%name /= name) cycle
+         if (list%item(i)%source > 0) then
+            if (list%item(i)%source /= list%deck%line_source(line)) cycle
+         else if (list%item(i)%submodel > 0) then
+            if (list%item(i)%submodel /= submodel_of(list%deck, line)) cycle
+         else if (k > 0) then
+            cycle
+         end if
+         k = i
+      end do
+   end function place_of_name
+
+   !> Submodel of a line; blocks ascend in lines
+   pure integer function submodel_of(deck, line) result(submodel)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line
+
+      integer :: lo, hi, middle
+
+      lo = 1
+      hi = deck%n_block
+      do while (lo < hi)
+         middle = (lo + hi + 1)/2
+         if (deck%block(middle)%header <= line) then
+            lo = middle
+         else
+            hi = middle - 1
+         end if
+      end do
+      submodel = deck%block(lo)%submodel
+   end function submodel_of
+
+   !> The text of a line with values in the place of names
+   !>
+   !> A value goes into the ten columns of the name, right-justified, and on to the right or left
+   !> where a longer one finds blanks.
+   subroutine replace_names(list, line, text)
+      type(parameters_t), intent(inout) :: list
+      integer, intent(in) :: line                !! index in deck
+      character(len=:), allocatable, intent(inout) :: text
+
+      character(len=:), allocatable :: name, value
+      integer :: at, last, k
+
+      at = index(text, '&')
+      do while (at > 0)
+         last = verify(text(at + 1:)//' ', &
+            'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789') + at - 1
+         name = text(at + 1:last)
+         k = place_of_name(list, name, line)
+         if (k == 0) then
+            call add_deck_finding(list%deck, line, at, max(at, last), SEV_ERROR, 'KJ-9015', &
+               'there is no parameter '//name, 'no such name', 'define it with /PARAMETER')
+            value = '0'
+         else
+            list%item(k)%used = .true.
+            value = list%item(k)%text
+         end if
+         if (at > 1) then
+            if (text(at - 1:at - 1) == '-') then
+               at = at - 1
+               if (value(:1) == '-') value = ' '//value(2:)
+               if (value(:1) /= ' ') value = '-'//value
+               value = trim(adjustl(value))
+            end if
+         end if
+         call put_value(text, at, last, value)
+         k = index(text(min(len(text), at + 1):), '&')
+         at = merge(k + at, 0, k > 0 .and. at < len(text))
+      end do
+   end subroutine replace_names
+
+   !> Put a value in the place of columns at to last
+   pure subroutine put_value(text, at, last, value)
+      character(len=:), allocatable, intent(inout) :: text
+      integer, intent(inout) :: at               !! then: last column of the value
+      integer, intent(in) :: last
+      character(len=*), intent(in) :: value
+
+      integer :: cell, from, room
+
+      if (index(text, ',') > 0) then
+         text = text(:at - 1)//value//text(last + 1:)
+         at = at + len(value) - 1
+         return
+      end if
+      cell = 10*((last - 1)/10 + 1)              ! last column of the ten in which the name ends
+      from = max(len_trim(text(:at - 1)) + 1, cell - 19, 1)
+      if (len(text) < cell) text = text//repeat(' ', cell - len(text))
+      text(at:last) = ' '
+      if (len(value) <= cell - from + 1) then
+         at = cell
+      else
+         room = verify(text(cell + 1:)//'&', ' ') - 1
+         if (room == len(text) - cell) room = 1000
+         at = from + len(value) - 1
+         if (at > cell + room) at = cell + room
+         if (len(text) < at) text = text//repeat(' ', at - len(text))
+      end if
+      text(max(1, at - len(value) + 1):at) = value
+   end subroutine put_value
+
+   !> A parameter that no field and no expression names
+   subroutine report_unused(list)
+      type(parameters_t), intent(inout) :: list
+
+      integer :: k
+
+      do k = 1, size(list%item)
+         if (list%item(k)%used .or. list%item(k)%name == '') cycle
+         call add_deck_finding(list%deck, list%item(k)%line, 1, LETTER_COUNT, SEV_WARNING, &
+            'KJ-9406', 'nothing reads the parameter '//trim(list%item(k)%name), 'no effect')
+      end do
+   end subroutine report_unused
+
+end module kj_parameter
