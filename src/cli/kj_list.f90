@@ -3,7 +3,7 @@ module kj_list
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_units, only: dimensions
    use kj_joint_types, only: joint_types, DOF_NAME, NDOF, FRAME_CROSS
-   use kj_keywords, only: keywords, READ_IT, NOTE_IT
+   use kj_keywords, only: keywords, READ_IT, NOTE_IT, FULL_ONLY, ASIDE
    use kj_channels, only: channels, groups
    use kj_option, only: did_you_mean
    use kj_terminal, only: print_line
@@ -64,20 +64,25 @@ contains
       end do
    end subroutine print_joints
 
+   !> read; noted; aside: read where another keyword names it; full only: read of a full deck
    subroutine print_keywords()
       character(len=:), allocatable :: status
       integer :: i
 
-      call print_line('keyword           status       meaning, or what would be needed')
+      call print_line('keyword               status       meaning, or what would be needed')
       do i = 1, size(keywords)
          if (keywords(i)%status == READ_IT) then
             status = 'read'
          else if (keywords(i)%status == NOTE_IT) then
             status = 'noted'
+         else if (keywords(i)%status == ASIDE) then
+            status = 'aside'
+         else if (keywords(i)%status == FULL_ONLY) then
+            status = 'full only'
          else
             status = 'unsupported'
          end if
-         call print_line(column(keywords(i)%name, 18)//column(status, 13)// &
+         call print_line(column(keywords(i)%name, 22)//column(status, 13)// &
                          trim(keywords(i)%meaning))
       end do
    end subroutine print_keywords

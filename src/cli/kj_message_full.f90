@@ -6,6 +6,8 @@ module kj_message_full
    private
 
    type(message_t), parameter, public :: full_messages(*) = [ &
+   message_t('KJ-1865', SEV_ERROR, 'a move of nothing', 'A /TRANSFORM names neither a group of nodes nor a submodel.', &
+      'Name one of them.'), &
    message_t('KJ-9401', SEV_WARNING, 'a submodel has no end', 'A //SUBMODEL is open at the end of the deck.', &
       'Write //ENDSUB after its last block.'), &
    message_t('KJ-9402', SEV_WARNING, 'the end of no submodel', 'An //ENDSUB stands where no //SUBMODEL is open.', &
@@ -15,7 +17,8 @@ module kj_message_full
    message_t('KJ-9404', SEV_ERROR, 'the value of a parameter is wrong', 'A REAL needs a number, an INTEGER a whole one '// &
       'within its range; --set gives the value in place of the deck.', 'Correct the value.'), &
    message_t('KJ-9405', SEV_ERROR, 'an expression has no value', 'It names what has no value, goes round in a circle, '// &
-      'or is no expression of numbers, names, + - * / ^ and functions.', 'Correct the expression.'), &
+      'or is no expression of numbers, names, + - * / ^ and functions.', &
+      'Correct the expression.'), &
    message_t('KJ-9406', SEV_WARNING, 'nothing reads a parameter', 'No field and no expression has &NAME.', &
       'Check the spelling where it should be read, or remove it.'), &
    message_t('KJ-9407', SEV_ERROR, 'there is no such parameter', 'A value was given with --set for a name that the deck '// &
@@ -23,6 +26,8 @@ module kj_message_full
    message_t('KJ-9408', SEV_WARNING, 'a selection is empty', 'The group of elements, surface, line or body that a group of '// &
       'nodes names does not exist, or has no node.', 'Correct the id.'), &
    message_t('KJ-9409', SEV_WARNING, 'springs are left out', 'Their property is of a kind that is not supported, and '// &
-      '--ignore-unsupported leaves it out.', 'Use another kind of property if they matter.')]
+      '--ignore-unsupported leaves it out.', 'Use another kind of property if they matter.'), &
+   message_t('KJ-9410', SEV_ERROR, 'an axis without a direction', 'Both points of the axis of a /TRANSFORM are the same.', &
+      'Correct one of them.')]
 
 end module kj_message_full

@@ -18,8 +18,8 @@ module kj_card_fields
    implicit none
    private
 
-   public :: field_t, field_range, list_free_dofs, rotational, has_variant, EACH, ONCE, ROWS, DOFS, &
-      IDS, PAIRS, TRIPLES, NAMES, CLAUSES
+   public :: field_t, field_range, list_free_dofs, rotational, has_variant, EACH, ONCE, ROWS, &
+      DOFS, IDS, PAIRS, TRIPLES, NAMES, CLAUSES
 
    !> /PROP/TYPE33 = /PROP/KJOINT; the variant is the joint type
    type(field_t), parameter :: joint_fields(*) = [ &

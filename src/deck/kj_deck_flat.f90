@@ -1,4 +1,4 @@
-!> Submodels and parameters -> plain blocks: ids become those of the whole deck, names become values.
+!> Submodels and parameters -> plain blocks: ids become those of the whole deck, names values.
 !>
 !> Only lines that change are written anew, into a text of their own; each keeps its file, number
 !> and columns, so that findings point where the user typed. Source: docs/theory/deck.md 14.
@@ -172,7 +172,8 @@ contains
          if (status /= NUMBER_FINE .or. value == 0 .or. shift == 0) cycle
          new = integer_field(sign(abs(value) + shift, value))
          if (cut%free) then
-            text = text(:cut%first(i) + moved - 1)//trim(adjustl(new))//text(cut%last(i) + moved + 1:)
+            text = text(:cut%first(i) + moved - 1)//trim(adjustl(new))// &
+               text(cut%last(i) + moved + 1:)
             moved = moved + len_trim(adjustl(new)) - (cut%last(i) - cut%first(i) + 1)
          else
             if (len(text) < columns%last(i)) text = text//repeat(' ', columns%last(i) - len(text))

@@ -1,5 +1,5 @@
-!> Fields of the cards that full decks have besides those of a mechanism: selections of nodes, moves,
-!> RBE2, masses of parts and surfaces. A part of THE table of kj_card_fields.
+!> Fields of the cards that full decks have besides those of a mechanism: selections of nodes,
+!> moves, RBE2, masses of parts and surfaces. A part of THE table of kj_card_fields.
 module kj_full_fields
    use kj_units, only: D_AREA_DENSITY, D_LENGTH, D_MASS, D_NUMBER
    use kj_keywords, only: KW_ADMAS, KW_BOX_CYLIN, KW_BOX_SPHER, KW_GRNOD_GRBEAM, &

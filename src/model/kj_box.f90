@@ -6,7 +6,7 @@ module kj_box
    use kj_math3, only: cross
    use kj_keywords, only: KW_BOX_RECTA, KW_BOX_SPHER, KW_BOX_CYLIN
    use kj_cards, only: cards_t, read_cards, real_of, int_of, report
-   use kj_draft, only: draft_t, find_blocks, reference, node_of
+   use kj_draft, only: draft_t, moved_point, find_blocks, reference, node_of
    implicit none
    private
 
@@ -76,6 +76,7 @@ contains
 
       corner = [real_of(cards, 'X'//which), real_of(cards, 'Y'//which), real_of(cards, 'Z'//which)]
       typed = int_of(cards, 'n'//which) == 0
+      if (typed) corner = moved_point(draft, cards%block, corner, .false.)
       if (typed) return
       raw = node_of(draft, cards, 'n'//which)
       if (raw > 0) corner = draft%x(raw, :)

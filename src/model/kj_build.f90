@@ -11,6 +11,7 @@ module kj_build
       check_analysis, build_parts
    use kj_build_axes, only: build_skews, build_frames
    use kj_build_group, only: build_groups
+   use kj_transform, only: move_nodes
    use kj_build_body, only: build_bodies
    use kj_build_spring, only: build_spring_properties
    use kj_build_joint, only: build_joints
@@ -45,9 +46,10 @@ contains
       model%units = draft%deck%work
       call check_analysis(draft%deck)
       call build_nodes(draft)
+      call build_parts(draft)
+      call move_nodes(draft)
       call build_skews(draft)
       call build_frames(draft)
-      call build_parts(draft)
       call build_groups(draft)
       call build_masses(draft)
       call build_curves(draft)

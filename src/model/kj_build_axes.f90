@@ -8,7 +8,7 @@ module kj_build_axes
       KW_FRAME_MOV2, KW_FRAME_NOD, keywords
    use kj_deck_text, only: deck_t
    use kj_cards, only: cards_t, read_cards, real_of, int_of, text_of, is_given, report
-   use kj_draft, only: draft_t, find_blocks, node_of
+   use kj_draft, only: draft_t, moved_point, find_blocks, node_of
    use kj_skew, only: skew_axes
    use kj_model, only: skew_set_t
    implicit none
@@ -72,6 +72,7 @@ contains
          if (any(keyword == [KW_SKEW_FIX, KW_FRAME_FIX])) then
             call fixed_axes(draft%deck, cards, keyword == KW_SKEW_FIX, set%axes(i, :))
             origin(i, :) = [real_of(cards, 'Ox'), real_of(cards, 'Oy'), real_of(cards, 'Oz')]
+            call move_axes(draft, blocks(i), set%axes(i, :), origin(i, :))
          else if (keyword == KW_FRAME_NOD .and. int_of(cards, 'n1') <= 0) then
             call report(draft%deck, cards, 'n1', SEV_ERROR, 'KJ-0900', 'the frame has no node', &
                'expected: id of a node')
@@ -86,6 +87,23 @@ contains
          if (first > 0) origin(i, :) = draft%x(first, :)
       end do
    end subroutine read_axes
+
+   !> Axes typed in a submodel go where it is moved; a mirror turns the third round
+   pure subroutine move_axes(draft, block, axes, origin)
+      type(draft_t), intent(in) :: draft
+      integer, intent(in) :: block
+      real(wp), intent(inout) :: axes(9), origin(3)
+
+      real(wp) :: y(3), z(3)
+
+      if (draft%deck%block(block)%submodel == 0) return
+      origin = moved_point(draft, block, origin, .false.)
+      y = moved_point(draft, block, axes(4:6), .true.)
+      z = moved_point(draft, block, axes(7:9), .true.)
+      axes(1:3) = unit(cross(y, z))
+      axes(7:9) = unit(z)
+      axes(4:6) = cross(axes(7:9), axes(1:3))
+   end subroutine move_axes
 
    !> Axes from a Y and a Z vector: z' = Z, x' = Y x Z, y' = z' x x'
    subroutine fixed_axes(deck, cards, replace, axes)

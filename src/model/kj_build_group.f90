@@ -32,8 +32,8 @@ module kj_build_group
 
    !> What an id stands for
    integer, parameter :: A_NODE = 1, A_PART = 2, AN_ELEMENT = 3, A_BOX = 4, A_GROUP = 5, &
-      AN_ELEMENT_GROUP = 6, A_SURFACE = 7, A_LINE = 8, A_SUBMODEL = 9, A_BODY = 10, A_SEGMENT = 11, &
-      ALL_NODES = 12
+      AN_ELEMENT_GROUP = 6, A_SURFACE = 7, A_LINE = 8, A_SUBMODEL = 9, A_BODY = 10, &
+      A_SEGMENT = 11, ALL_NODES = 12
 
    !> A kind of group, or a clause of a set
    type :: kind_t
@@ -278,8 +278,8 @@ contains
          do j = 1, size(known)
             if (kind%of == A_NODE) call add_node(find(draft%node, known(j)), list)
          end do
-         if (kind%of /= A_NODE) call take_ids(draft, shop, group, kind, as_list(known, ids, place), &
-            1, size(known), list)
+         if (kind%of /= A_NODE) call take_ids(draft, shop, group, kind, as_list(known, ids, &
+            place), 1, size(known), list)
       end do
    end subroutine take_clause_ranges
 

@@ -11,7 +11,8 @@ module kj_build_scene
    use kj_element_cards, only: element_row
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
       report_row, row_of
-   use kj_draft, only: draft_t, blocks_of, group_nodes, known_ids, find_blocks, reference, unsupported
+   use kj_draft, only: draft_t, blocks_of, group_nodes, known_ids, find_blocks, &
+      reference, unsupported
    implicit none
    private
 
@@ -238,7 +239,8 @@ contains
       materials = [materials, other_materials(draft%deck)]
       call new_lookup(draft%deck%block(materials)%id, material)
       call find_blocks(draft%deck, [KW_PART], 'part', draft%part_block, draft%part)
-      allocate (draft%part_property(size(draft%part_block)), draft%part_ids(3, size(draft%part_block)))
+      allocate (draft%part_property(size(draft%part_block)))
+      allocate (draft%part_ids(3, size(draft%part_block)))
       do i = 1, size(draft%part_block)
          call read_cards(draft%deck, draft%part_block(i), cards)
          draft%part_ids(:, i) = [int_of(cards, 'prop_id'), int_of(cards, 'mat_id'), &

@@ -14,8 +14,9 @@ module kj_draft
    implicit none
    private
 
-   public :: draft_t, sensor_t, group_t, elements_t, property_t, joint_t, blocks_of, find_blocks, &
-      reference, node_of, unsupported, group_nodes, report_double_blocks, known_ids
+   public :: draft_t, move_t, moved_point, sensor_t, group_t, elements_t, property_t, joint_t, &
+      blocks_of, find_blocks, reference, node_of, unsupported, group_nodes, report_double_blocks, &
+      known_ids
 
    !> A set of nodes
    type :: group_t
@@ -83,6 +84,14 @@ module kj_draft
       real(wp) :: top(4) = 0.0_wp
    end type joint_t
 
+   !> A move of a submodel: x' = a x + b
+   type :: move_t
+      integer :: submodel = 0                    !! its id
+      real(wp) :: a(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, &
+         0.0_wp, 1.0_wp], [3, 3])
+      real(wp) :: b(3) = 0.0_wp                  !! W, length
+   end type move_t
+
    !> A deck and everything in it, in its order; node indices are "raw": places in the deck
    type :: draft_t
       type(deck_t) :: deck                       !! as it was read; takes the findings
@@ -111,6 +120,7 @@ module kj_draft
       integer, allocatable :: property_block(:)  !! KJOINT, KJOINT2, then springs of types 4 and 8
       integer, allocatable :: part_property(:)   !! place in property_block, 0 = none
       integer, allocatable :: part_ids(:, :)     !! (3, parts) ids of property, material, subset
+      type(move_t), allocatable :: moves(:)      !! of submodels
       integer, allocatable :: node_submodel(:)   !! where the deck has submodels: that of each node
    end type draft_t
 
@@ -235,6 +245,30 @@ contains
       end do
       block = 0
    end function unsupported
+
+   !> Where the moves of its submodel bring a point; a direction when `direction`
+   pure function moved_point(draft, block, x, direction) result(y)
+      type(draft_t), intent(in) :: draft
+      integer, intent(in) :: block               !! that types the point
+      real(wp), intent(in) :: x(3)
+      logical, intent(in) :: direction
+      real(wp) :: y(3)
+
+      integer :: i, s
+
+      y = x
+      if (.not. allocated(draft%moves)) return
+      do i = 1, size(draft%moves)
+         s = draft%deck%block(block)%submodel
+         do while (s > 0)
+            if (draft%deck%submodel(s)%id == draft%moves(i)%submodel) exit
+            s = draft%deck%submodel(s)%parent
+         end do
+         if (s == 0) cycle
+         y = matmul(draft%moves(i)%a, y)
+         if (.not. direction) y = y + draft%moves(i)%b
+      end do
+   end function moved_point
 
    !> "defined: 1 2 5 ..." for hints
    pure function known_ids(lookup, what) result(text)

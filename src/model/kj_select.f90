@@ -31,14 +31,14 @@ module kj_select
    !> Faces of elements and segments
    type :: faces_t
       integer :: n = 0
-      integer, allocatable :: node(:, :)         !! (4, >= n) raw indices, the last twice: a triangle
+      integer, allocatable :: node(:, :)         !! (4, >= n) raw indices; of a triangle 3 twice
    end type faces_t
 
    !> Corners of the faces of solids, counted as on their cards; a triangle repeats its last
    integer, parameter :: OF_BRICK(4, 6) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 6, 5, 2, 3, 7, 6, &
       3, 4, 8, 7, 4, 1, 5, 8], [4, 6])
-   integer, parameter :: OF_TETRA(4, 4) = reshape([1, 2, 3, 3, 1, 2, 4, 4, 2, 3, 4, 4, 3, 1, 4, 4], &
-      [4, 4])
+   integer, parameter :: OF_TETRA(4, 4) = reshape([1, 2, 3, 3, 1, 2, 4, 4, 2, 3, 4, 4, &
+      3, 1, 4, 4], [4, 4])
    integer, parameter :: OF_WEDGE(4, 5) = reshape([1, 2, 3, 3, 4, 5, 6, 6, 1, 2, 5, 4, 2, 3, 6, 5, &
       3, 1, 4, 6], [4, 5])
 
@@ -168,7 +168,7 @@ contains
       end do
    end function in_box
 
-   !> Nodes that belong to the springs of a part: two, a pulley's three, a KJOINT2's as its type uses
+   !> Nodes that belong to the springs of a part: two, of a pulley three, of a KJOINT2 four
    integer function spring_members(draft, part) result(members)
       type(draft_t), intent(in) :: draft
       integer, intent(in) :: part
