@@ -4,13 +4,13 @@ module kj_keeper
    use, intrinsic :: iso_fortran_env, only: int8
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
-   use kj_system, only: wall_clock, remove_file, absolute_path
+   use kj_system, only: wall_clock, absolute_path
    use kj_number, only: parse_real, NUMBER_FINE
    use kj_spelling, only: upper
    use kj_signal, only: caught_signal, take_wish, WISH_CHECKPOINT, WISH_STATUS
    use kj_option, only: arguments_t, OPT_CHECKPOINT, OPT_CHECKPOINT_EVERY
    use kj_terminal, only: print_error
-   use kj_progress, only: progress_t, report_now
+   use kj_progress, only: progress_t, status_now
    use kj_restart_file, only: restart_t, write_restart
    use kj_sink, only: sink_t
    use kjoint, only: simulation_t, simulation_options, simulation_checkpoints, run_status_t, &
@@ -20,7 +20,7 @@ module kj_keeper
 
    public :: keeper_t, start_keeper, checkpoint_path
 
-   real(wp), parameter :: LOOK = 0.5_wp          !! [s] of wall clock between looks at the control file
+   real(wp), parameter :: LOOK = 0.5_wp          !! [s] between looks at the control file
 
    !> Monitor that keeps checkpoints, too
    type, extends(progress_t) :: keeper_t
@@ -68,7 +68,7 @@ contains
       class(keeper_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
 
-      integer :: status
+      integer :: status, number
 
       call absolute_path(starter, self%what%starter)
       self%what%engine = ''
@@ -79,7 +79,7 @@ contains
       self%control = starter(:len(starter) - len('_0000.rad'))//'_0001.ctl'
       if (len(engine) > 4) self%control = engine(:len(engine) - 4)//'.ctl'
       self%control = self%control(index(self%control, '/', back=.true.) + 1:)
-      call simulation_checkpoints(sim, self%at_end, self%every_cycles)
+      call simulation_checkpoints(sim, self%at_end, self%every_cycles, number)
       if (args%given(OPT_CHECKPOINT)) self%at_end = .true.
       self%last = wall_clock()
       self%looked = self%last
@@ -101,7 +101,7 @@ contains
 
       call self%progress_t%tick(status, stop)
       self%cycle = status%cycle
-      if (take_wish(WISH_STATUS)) call report_now(self%progress_t, status)
+      if (take_wish(WISH_STATUS)) call print_error(status_now(self%progress_t, status))
       now = wall_clock()
       if (now - self%looked >= LOOK) then
          self%looked = now
@@ -110,37 +110,45 @@ contains
       stop = stop .or. self%stopped .or. self%killed
    end subroutine tick_keeper
 
-   !> The control file: /STOP, /KILL, /INFO, /TFILE, /RFILE, a line each. It is taken away.
+   !> The control file: /STOP, /KILL, /INFO, /TFILE, /RFILE, a line each. What was done and where
+   !> the run is stands in it afterwards.
    subroutine read_control(self, status)
       class(keeper_t), intent(inout) :: self
       type(run_status_t), intent(in) :: status
 
       type(error_t), allocatable :: error
-      character(len=200) :: line
-      integer :: unit, end_of
+      character(len=200) :: line, word
+      character(len=:), allocatable :: answer
+      integer :: unit, state
       logical :: exists
 
       inquire (file=self%control, exist=exists)
       if (.not. exists) return
-      open (newunit=unit, file=self%control, status='old', action='read', iostat=end_of)
-      if (end_of /= 0) return
+      open (newunit=unit, file=self%control, status='old', action='readwrite', iostat=state)
+      if (state /= 0) return
+      answer = ''
       do
-         read (unit, '(a)', iostat=end_of) line
-         if (end_of /= 0) exit
-         select case (upper(trim(adjustl(line))))
+         read (unit, '(a)', iostat=state) line
+         if (state /= 0) exit
+         word = upper(trim(adjustl(line)))
+         if (word == '' .or. scan(word(1:1), '#$') > 0) cycle
+         answer = answer//'# '//trim(line)
+         select case (word)
          case ('/STOP'); self%stopped = .true.
          case ('/KILL'); self%killed = .true.
-         case ('/INFO'); call report_now(self%progress_t, status)
+         case ('/INFO')
          case ('/RFILE'); self%wished = .true.
          case ('/TFILE'); if (associated(self%sink)) call self%sink%flush(error)
-         case default
-            if (line /= '' .and. index('#$', line(1:1)) == 0) call print_error('warning: '// &
-               self%control//': "'//trim(line)// &
-               '" is nothing to do: /STOP, /KILL, /INFO, /TFILE, /RFILE')
+         case default; answer = answer//': not known: /STOP, /KILL, /INFO, /TFILE, /RFILE'
          end select
+         answer = answer//new_line('a')
       end do
+      if (answer /= '') then
+         rewind (unit)
+         write (unit, '(a)') answer//'# '//status_now(self%progress_t, status)
+         call print_error(self%control//': '//status_now(self%progress_t, status))
+      end if
       close (unit)
-      call remove_file(self%control)
    end subroutine read_control
 
    !> At the end where asked for or stopped, and as often as asked for

@@ -128,7 +128,8 @@ module kj_message_text
       'Write the id after the keyword.'), &
    message_t('KJ-9038', SEV_ERROR, 'a second /BEGIN', 'The deck has two of them; the first one holds.', 'Remove one.'), &
    message_t('KJ-9040', SEV_WARNING, 'an engine keyword stands twice', 'As in Radioss, the first one holds.', 'Remove one.'), &
-   message_t('KJ-9041', SEV_WARNING, 'limits of mass of /STOP and /KILL do not act', 'Of these two keywords the limit of the energy error acts.', &
+   message_t('KJ-9041', SEV_WARNING, 'limits of mass of /STOP and /KILL do not act', &
+      'Of these two keywords the limit of the energy error acts.', &
       'Use --energy-limit.'), &
    message_t('KJ-9061', SEV_ERROR, 'a keyword of the engine deck in the starter deck', &
       'The deck seems to hold starter and engine deck in one file.', &

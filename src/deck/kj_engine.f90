@@ -187,7 +187,9 @@ contains
             if (value(2) < 0.0_wp .or. (value(2) > 0.0_wp .and. value(1) > value(2))) &
                call report_line(deck, header, SEV_ERROR, 'KJ-E316', &
                'the first time step is larger than the largest one', &
-               'expected: fi      case ('STOP')
+               'expected: first step, largest step')
+         end if
+      case ('STOP')
          second = engine%has_stop
          engine%has_stop = .true.
          if (.not. second) call take_stop(deck, header, last, .true., engine)
