@@ -419,7 +419,7 @@ contains
          args%n_operand = args%n_operand + 1
       end if
       if (args%n_operand >= max(1, commands(args%command)%least)) return
-      if (args%command == CMD_HELP .or. args%command == CMD_VERSION .or. args%given(OPT_RESTART)) return
+      if (any(args%command == [CMD_HELP, CMD_VERSION]) .or. args%given(OPT_RESTART)) return
       call fail(error, ERR_INPUT, '`'//trim(commands(args%command)%name)//'` needs more operands')
       error%hint = usage(args%command)
    end subroutine check_operands
