@@ -107,14 +107,6 @@ module kj_option
                'print all that these joints, springs, bodies, nodes do; with --json in lines'), &
       option_t(OPT_TRACE_CYCLES, '',   '--trace-cycles',      'A:B',    'run', &
                'the cycles of --trace; default 0:9'), &
-      option_t(OPT_CHECKPOINT,   '',   '--checkpoint',        '',       'run', &
-               'leave RUN.restart.h5 at the end, to go on from'), &
-      option_t(OPT_CHECKPOINT_EVERY, '', '--checkpoint-every', 'S',     'run', &
-               'write it every S seconds of wall clock, and at the end'), &
-      option_t(OPT_RESTART,      '',   '--restart',           'FILE',   'run', &
-               'go on from RUN.restart.h5, same bits; its history grows'), &
-      option_t(OPT_NEW_FILE,     '',   '--new-file',          '',       'run', &
-               'with --restart: a history of its own, RUN.2.h5 or -o'), &
       option_t(OPT_STRICT,       '',   '--strict',            '',       'diff', &
                'what is not compared counts as different: on one side alone, not a number'), &
       option_t(OPT_TO,           '',   '--to',                'FORMAT', 'export', &
@@ -126,7 +118,15 @@ module kj_option
       option_t(OPT_TFILE,        '',   '--tfile',             'N',      'export', &
                '/TFILE type of a t01: 1 64-bit, 4 32-bit; default: as precise as RUN.h5'), &
       option_t(OPT_CHANNELS,     '',   '--channels',          'LIST',   'diff', &
-               'compare these only: group/dataset[entity].component, blanks between them')]
+               'compare these only: group/dataset[entity].component, blanks between them'), &
+      option_t(OPT_CHECKPOINT,   '',   '--checkpoint',        '',       'run', &
+               'leave RUN.restart.h5 at the end, to go on from'), &
+      option_t(OPT_CHECKPOINT_EVERY, '', '--checkpoint-every', 'S',     'run', &
+               'write it every S seconds of wall clock, and at the end'), &
+      option_t(OPT_RESTART,      '',   '--restart',           'FILE',   'run', &
+               'go on from RUN.restart.h5, same bits; its history grows'), &
+      option_t(OPT_NEW_FILE,     '',   '--new-file',          '',       'run', &
+               'with --restart: a history of its own, RUN.2.h5 or -o')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)

@@ -26,7 +26,7 @@ module kj_history
       ! joints and springs
       integer, allocatable :: type(:), property(:)
       integer, allocatable :: node(:, :), body(:, :)   !! (2, n) user ids of the ends, 0 = none
-      integer, allocatable :: skew(:)                  !! nodes: id of the axes of their components
+      integer, allocatable :: skew(:)                  !! id of the axes of a node's components
       ! rigid bodies
       integer, allocatable :: main_node(:)
       real(wp), allocatable :: mass(:)
