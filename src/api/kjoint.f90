@@ -19,6 +19,8 @@ module kjoint
    use kj_channels, only: OF_JOINT, OF_BODY, OF_NODE, OF_SPRING
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
+   use kj_text, only: text_t
+   use kj_extremes, only: extremes_t
    use kj_sink, only: sink_t
    use kj_sink_memory, only: sink_memory_t
    use kj_check, only: check_t, limit_row_t
@@ -43,8 +45,9 @@ module kjoint
    public :: run_status_t, simulation_t, monitor_t
    public :: trace_simulation, trace_t, traced_lead_t, TRACE_NAME, TRACE_JOINT, TRACE_SPRING, &
       TRACE_BODY, TRACE_NODE
+   public :: simulation_worst, text_t
    public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
-      simulation_options, simulation_checkpoints, default_output
+      simulation_options, default_output
    public :: check_t, limit_row_t, check_simulation
    ! model level, stepped by the host
    public :: start_simulation, advance_simulation, step_simulation, simulation_status
@@ -90,6 +93,7 @@ module kjoint
       type(trace_plan_t) :: trace
       type(history_t) :: history
       type(sampler_t) :: sampler
+      type(extremes_t) :: extremes              !! of the samples of this run
       real(wp), allocatable :: row(:)           !! the last sample, where the sink has no room
       character(len=:), allocatable :: root     !! name of the deck without _0000.rad
       logical :: loaded = .false.               !! can be run
@@ -193,6 +197,13 @@ module kjoint
          type(run_status_t), intent(out) :: status
          type(error_t), allocatable, intent(out) :: error
       end subroutine run_simulation
+
+      !> What gave way most in the samples of the last run: lines for people, and a JSON object
+      module subroutine simulation_worst(sim, lines, json)
+         type(simulation_t), intent(in) :: sim
+         type(text_t), allocatable, intent(out) :: lines(:)
+         character(len=:), allocatable, intent(out) :: json
+      end subroutine simulation_worst
 
       !> State at t = 0 with its forces, for a host that steps the scene by itself.
       !>
@@ -395,15 +406,6 @@ module kjoint
          type(simulation_t), intent(in) :: sim
          type(run_options_t) :: options
       end function simulation_options
-
-      !> What the engine deck says of checkpoints (/RFILE), and the number of the run: above 1 it
-      !> goes on from a saved state
-      module subroutine simulation_checkpoints(sim, at_end, cycles, run_number)
-         type(simulation_t), intent(in) :: sim
-         logical, intent(out) :: at_end
-         integer, intent(out) :: cycles         !! between two; huge: none
-         integer, intent(out) :: run_number
-      end subroutine simulation_checkpoints
 
       !> Title of the deck
       module function simulation_title(sim) result(title)

@@ -1,7 +1,8 @@
 !> Bodies of the public module: what a scene is like before it runs.
 submodule (kjoint) kjoint_check
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, has_friction
+   use kj_joint_batch, only: blocking_stiffness, joint_batch_t, LAW_SPRING_CURVE, &
+      LAW_DAMPER_CURVE, has_friction
    use kj_curve, only: curve_set_t, law_value
    use kj_model, only: model_t
    use kj_consistent_state, only: consistent_state_t
@@ -56,9 +57,7 @@ contains
             report%length(j) = norm2(model%x0(node(2), :) - model%x0(node(1), :))
             report%automatic(j) = .false.
             if (b%limited) report%automatic(j) = b%limit%automatic(p)
-            report%blocking(1, j) = maxval(b%k(p, :3), mask=joint_types(b%row)%free(:3) == 0)
-            report%blocking(2, j) = maxval(b%k(p, 4:), mask=joint_types(b%row)%free(4:) == 0)
-            report%blocking(:, j) = max(0.0_wp, report%blocking(:, j))
+            report%blocking(:, j) = blocking_stiffness(b, p)
             report%ratio(j) = damping_ratio(model%curves, b%law, b%k(p, :), b%c(p, :), &
                b%k_curve(p, :), b%c_curve(p, :), b%reduced(p, :))
          end associate

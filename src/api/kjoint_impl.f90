@@ -14,6 +14,7 @@ submodule (kjoint) kjoint_impl
    use kj_scheme, only: choose_scheme, check_scene
    use kj_history, only: entity_t
    use kj_shape, only: describe_shape
+   use kj_joint_batch, only: blocking_stiffness
    implicit none
 
 contains
@@ -74,12 +75,6 @@ contains
       options = sim%options
    end procedure simulation_options
 
-   module procedure simulation_checkpoints
-      at_end = sim%model%control%checkpoint
-      cycles = sim%model%control%checkpoint_cycles
-      run_number = sim%model%control%run_number
-   end procedure simulation_checkpoints
-
    module procedure simulation_title
       title = sim%model%title
    end procedure simulation_title
@@ -117,6 +112,11 @@ contains
          if (m%control%sample > 0.0_wp) &
             h%n_expected = nint(min(1.0e6_wp, m%control%t_stop/m%control%sample)) + 2
          call describe_elements(m, m%th_joint, h%entity(OF_JOINT))
+         allocate (h%entity(OF_JOINT)%blocking(2, size(m%th_joint)))
+         do i = 1, size(m%th_joint)
+            h%entity(OF_JOINT)%blocking(:, i) = blocking_stiffness(m%batch(m%joint(m%th_joint( &
+               i))%batch), m%joint(m%th_joint(i))%place)
+         end do
          h%entity(OF_JOINT)%type = joint_types(m%joint(m%th_joint)%row)%id
          call describe_elements(m, m%th_spring, h%entity(OF_SPRING))
          h%entity(OF_SPRING)%type = m%batch(m%joint(m%th_spring)%batch)%kind

@@ -3,9 +3,13 @@ submodule (kjoint) kjoint_run
    use kj_error, only: fail, str
    use kj_system, only: wall_clock
    use kj_sample, only: sample_row
+   use kj_extremes, only: watch_row
+   use kj_worst, only: worst_lines, worst_json
+   use kj_give, only: warn_give
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
    use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after
    use kj_checkpoint, only: save_scene
+   use kj_snapshot, only: OWNER_JOINT
    implicit none
 
    character(len=8), parameter :: OWNER_NAME(0:3) = &
@@ -15,13 +19,9 @@ contains
 
    module procedure run_simulation
       call check_loaded(sim, error)
-      if (.not. (allocated(error) .or. sim%restored)) call refuse_later_run(sim, error)
-      if (sim%restored .and. .not. allocated(error)) then
-         if (is_over(sim%model%model_t, sim%scheme)) call fail(error, ERR_INPUT, &
-            'the saved state is at the end of the run already: ask for a later end')
-      end if
       if (allocated(error)) return
       sim%started = .false.
+      sim%extremes = extremes_t()
       if (.not. sim%restored) sim%rows = 0
       sink%rows_before = sim%rows
       call sink%open(sim%history, error)
@@ -61,6 +61,7 @@ contains
       if (.not. allocated(error)) call finish_scheme(sim%model, sim%scheme, error)
       call tell(sim, status)
       call warn_after(sim%model%model_t, sim%scheme, status%warnings)
+      call warn_give(sim%model%model_t, sim%history, sim%extremes, status%warnings)
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
       call monitor%tick(status, ignored)
@@ -68,16 +69,6 @@ contains
       if (allocated(sim%row)) deallocate (sim%row)
       status%wall_output = status%wall_output + wall_clock() - clock
    end subroutine run_open
-
-   !> Errors: ERR_INPUT when the engine deck says that it goes on from a run before
-   subroutine refuse_later_run(sim, error)
-      type(simulation_t), intent(in) :: sim
-      type(error_t), allocatable, intent(out) :: error
-
-      if (sim%model%control%run_number > 1) call fail(error, ERR_INPUT, 'run '// &
-         str(sim%model%control%run_number)//' goes on from the saved state of the run before', &
-         'KJ-9066')
-   end subroutine refuse_later_run
 
    module procedure trace_simulation
       call check_loaded(sim, error)
@@ -134,7 +125,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       integer(int8), allocatable :: left(:)      !! state where the steps began to be cut
-      type(error_t), allocatable :: ignored
       logical :: over
 
       stop = .false.
@@ -144,14 +134,8 @@ contains
             call look(sim, monitor)
             call keep_point(sim, monitor, over .or. stop, status, left, error)
             if (allocated(error)) return
-            if (s%due .or. over .or. (stop .and. .not. s%apart)) then
+            if (s%due .or. over .or. (stop .and. .not. s%apart)) &
                call add_row(sim, sink, clock, status, error)
-               if (.not. allocated(error)) call check_energy(sim, status, error)
-               if (allocated(error) .and. sim%model%control%stop_saves) then
-                  sim%rows = sim%rows - 1        ! the run that goes on writes this one again
-                  call keep_state(sim, monitor, status, left, ignored)
-               end if
-            end if
             if (over .or. stop .or. allocated(error)) return
             call go_on(sim%model, s, error)
             if (allocated(error)) return
@@ -171,35 +155,31 @@ contains
       integer(int8), allocatable, intent(inout) :: left(:)
       type(error_t), allocatable, intent(out) :: error
 
+      integer(int8), allocatable :: now(:)
       logical :: wanted
 
       call monitor%wants_state(ended, wanted)
       if (.not. allocated(left)) then
-         if (leaves_path(sim%model%model_t, sim%scheme)) call save_scene(sim%options, &
-            sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, left)
+         if (leaves_path(sim%model%model_t, sim%scheme)) call save(left)
       end if
-      if (wanted) call keep_state(sim, monitor, status, left, error)
-   end subroutine keep_point
-
-   !> Hand the monitor the state now, or the one from before the steps were cut
-   subroutine keep_state(sim, monitor, status, left, error)
-      type(simulation_t), intent(inout) :: sim
-      class(monitor_t), intent(inout) :: monitor
-      type(run_status_t), intent(inout) :: status
-      integer(int8), allocatable, intent(in) :: left(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      integer(int8), allocatable :: now(:)
-
+      if (.not. wanted) return
+      if (.not. allocated(left)) call save(now)
       call tell(sim, status)
       if (allocated(left)) then
          call monitor%take_state(left, status, error)
       else
-         call save_scene(sim%options, sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, &
-            now)
          call monitor%take_state(now, status, error)
       end if
-   end subroutine keep_state
+
+   contains
+
+      subroutine save(byte)
+         integer(int8), allocatable, intent(out) :: byte(:)
+
+         call save_scene(sim%options, sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, &
+            byte)
+      end subroutine save
+   end subroutine keep_point
 
    !> Close the sink with the outcome; an error of the run goes before one of the sink
    subroutine end_history(sink, stopped, cycles, error)
@@ -248,20 +228,9 @@ contains
       sim%rows = sim%rows + 1
       if (allocated(error)) return
       call tell(sim, status)
-   end subroutine add_row
-
-   !> The limit of the energy error: that of the options, else of /STOP and /KILL.
-   !> Errors: ERR_RUN when it is passed; an error that is not a number is within no limit
-   subroutine check_energy(sim, status, error)
-      type(simulation_t), intent(in) :: sim
-      type(run_status_t), intent(in) :: status
-      type(error_t), allocatable, intent(out) :: error
-
-      real(wp) :: limit
-
-      limit = min(sim%model%control%stop_energy, huge(1.0_wp))
-      if (sim%options%energy_limit >= 0.0_wp) limit = min(limit, sim%options%energy_limit/100.0_wp)
-      if (limit >= huge(1.0_wp) .or. abs(status%energy_error) <= limit) return
+      if (sim%options%energy_limit < 0.0_wp) return
+      ! an error that is not a number is within no limit
+      if (100.0_wp*abs(status%energy_error) <= sim%options%energy_limit) return
       if (abs(status%energy_error) <= huge(1.0_wp)) then
          call fail(error, ERR_RUN, 'the energy error passed its limit in cycle '// &
             str(status%cycle))
@@ -269,7 +238,7 @@ contains
          call fail(error, ERR_RUN, 'the energy is not finite any more in cycle '// &
             str(status%cycle)//', so its error passes every limit')
       end if
-   end subroutine check_energy
+   end subroutine add_row
 
    !> All channels now; the row of a last state that is no regular sample says so
    subroutine fill_row(sim, row, error)
@@ -280,7 +249,17 @@ contains
       call show(sim%model, sim%scheme)
       call sample_row(sim%model%model_t, sim%scheme%now, sim%history, .not. sim%scheme%due, &
          sim%sampler, row, error)
+      if (.not. allocated(error)) call watch_row(sim%history, row, sim%extremes)
    end subroutine fill_row
+
+   module procedure simulation_worst
+      integer :: owner
+
+      owner = 0
+      if (sim%scheme%now%owner_kind == OWNER_JOINT) owner = sim%scheme%now%owner
+      call worst_lines(sim%history, sim%extremes, owner, lines)
+      json = worst_json(sim%history, sim%extremes)
+   end procedure simulation_worst
 
    !> Renew the status
    subroutine tell(sim, status)

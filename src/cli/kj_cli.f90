@@ -5,7 +5,7 @@ module kj_cli
    use kj_version, only: KJOINT_VERSION
    use kj_info, only: describe_history
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
-      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_HELP, CMD_VERSION
+      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_HELP, CMD_VERSION, OPT_JSON
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -50,7 +50,7 @@ contains
          case (CMD_EXPORT)
             call export_command(args, error)
          case (CMD_INFO)
-            call describe_history(args%operand(1)%s, text, error)
+            call describe_history(args%operand(1)%s, args%given(OPT_JSON), text, error)
             if (.not. allocated(error)) call print_text(text)
          case (CMD_LIST)
             call print_table(args%operand(1)%s, error)

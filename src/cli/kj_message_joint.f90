@@ -234,6 +234,12 @@ module kj_message_joint
       'Give it mass by /ADMAS or by the mass of the spring, or hold it by /BCS to say so.'), &
    message_t('KJ-9230', SEV_ERROR, 'a scale of abscissae is negative', 'It would turn the function round.', &
       'Mirror the function with /MOVE_FUNCT.'), &
+   message_t('KJ-9302', SEV_WARNING, 'a joint gave way', &
+      'The two ends of a joint moved apart in a blocked direction by more than 1 % of the '// &
+      'longer arm, from joint node to centre of gravity, or turned apart by 0.01 rad. Blocked '// &
+      'directions are springs of stiffness Kn.', &
+      'Raise Kn; the gap is force over Kn, the step falls with its root. `kjoint study` '// &
+      'tries it.'), &
    message_t('KJ-9301', SEV_WARNING, 'a joint loses its right angles', &
       'The axes of a joint come from nodes or bodies that are meant to be rigid. They strain '// &
       'or turn against each other, and the directions of the joint lose their right angles.', &

@@ -5,7 +5,8 @@ module kj_h5_layout
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
    use kj_utf8, only: as_utf8, is_plain
-   use kj_units, only: unit_text, D_NUMBER, D_LENGTH, D_MASS, D_INERTIA
+   use kj_units, only: unit_text, D_NUMBER, D_LENGTH, D_MASS, D_INERTIA, &
+      D_STIFFNESS, D_ROT_STIFFNESS
    use kj_joint_types, only: joint_types, find_joint_type, DOF_NAME
    use kj_channels, only: channels, groups, OF_JOINT, OF_SPRING, AS_F64, AS_I32, sampled_at, &
       OF_RUN, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
@@ -151,6 +152,14 @@ contains
          end do
          if (allocated(entity%skew)) call write_ids(scope, 'skew', entity%skew, &
             'user id of the skew whose axes the components have, 0 = global', error)
+         if (allocated(entity%blocking)) then
+            call write_constant(scope, 'blocking_trans', [n], entity%blocking(1, :), &
+               [scope%entity], unit_text(D_STIFFNESS, history%units), &
+               'stiffness of the blocked translations, 0 = none', error)
+            call write_constant(scope, 'blocking_rot', [n], entity%blocking(2, :), &
+               [scope%entity], unit_text(D_ROT_STIFFNESS, history%units), &
+               'stiffness of the blocked rotations, 0 = none', error)
+         end if
          if (allocated(entity%main_node)) &
             call write_ids(scope, 'main_node', entity%main_node, 'user id of the main node', error)
          if (allocated(entity%mass)) call write_constant(scope, 'mass', [n], entity%mass, &

@@ -1,4 +1,5 @@
-!> What is in a history file, as text for people: `kjoint info`.
+!> What is in a history file, as text for people or as JSON: `kjoint info`.
+!> One file: the survey of the rows and what is said of it.
 module kj_info
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
@@ -6,11 +7,16 @@ module kj_info
    use kj_units, only: unit_text, D_TIME
    use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
       CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, &
-      CH_FINAL, OF_JOINT, OF_SPRING
-   use kj_history, only: history_t, variable_t, n_entity
+      CH_FINAL, CH_OWNER_KIND, CH_OWNER, OF_JOINT, OF_SPRING
+   use kj_history, only: history_t, variable_t, n_entity, entity_title
    use kj_text, only: text_t
-   use kj_read_h5, only: read_run_facts, h5_reader_t, open_h5_history, read_h5_rows, &
-      close_h5_history
+   use kj_reader, only: history_reader_t, open_history_file, read_rows, read_facts, &
+      close_history_file
+   use kj_series, only: channel_path
+   use kj_extremes, only: extremes_t, watch_row
+   use kj_worst, only: worst_lines, worst_json
+   use kj_snapshot, only: OWNER_JOINT
+   use kj_json_writer, only: json_member, json_text, comma
    implicit none
    private
 
@@ -26,41 +32,119 @@ module kj_info
       real(wp), allocatable :: peak(:)                !! (variable) largest norm over entities, time
       real(wp), allocatable :: peak_time(:)            !! (variable) when that was
       real(wp) :: shortest_step = huge(1.0_wp), longest_step = 0.0_wp
+      type(extremes_t) :: extremes                     !! what gave way most
       integer :: n_bad = 0                             !! values that are not finite
    end type survey_t
 
 contains
 
-   !> Describe a history: status, provenance, span, channels with shape, unit and peak, energies.
+   !> Describe a history of either kind: status, provenance, span, what gave way most, channels with
+   !> shape, unit and peak, energies; in lines for people or as a JSON object.
    !> Errors: ERR_FILE when it cannot be read
-   subroutine describe_history(path, text, error)
+   subroutine describe_history(path, as_json, text, error)
       character(len=*), intent(in) :: path
+      logical, intent(in) :: as_json
       character(len=:), allocatable, intent(out) :: text   !! lines, each ended by a line feed
       type(error_t), allocatable, intent(out) :: error
 
       type(error_t), allocatable :: closing
-      type(h5_reader_t) :: reader
+      type(history_reader_t) :: reader
       type(history_t) :: history
       type(survey_t) :: survey
       type(text_t), allocatable :: names(:), values(:)
       integer :: n_row
 
       text = ''
-      call open_h5_history(path, reader, history, n_row, error)
+      call open_history_file(path, reader, history, n_row, error)
       if (allocated(error)) return
       call survey_rows(reader, history, n_row, survey, error)
-      if (.not. allocated(error)) call read_run_facts(reader, names, values, error)
-      call close_h5_history(reader, closing)
+      if (.not. allocated(error)) call read_facts(reader, names, values, error)
+      call close_history_file(reader, closing)
       if (allocated(error)) return
-      call add_provenance(path, history, names, values, text)
+      if (as_json) then
+         text = info_json(path, reader, history, survey, names, values)
+         return
+      end if
+      call add_provenance(path, reader, history, names, values, text)
       call add_span(history, survey, names, values, text)
+      call add_worst(history, survey, text)
       call add_channels(history, survey, text)
       call add_energies(history, survey, text)
    end subroutine describe_history
 
+   !> What gave way most
+   subroutine add_worst(history, survey, text)
+      type(history_t), intent(in) :: history
+      type(survey_t), intent(in) :: survey
+      character(len=:), allocatable, intent(inout) :: text
+
+      type(text_t), allocatable :: lines(:)
+      integer :: owner, kind_at, i
+
+      owner = 0
+      kind_at = place_of(history, CH_OWNER_KIND)
+      if (kind_at > 0 .and. survey%n_row > 0) then
+         if (nint(survey%last(kind_at)) == OWNER_JOINT) &
+            owner = nint(survey%last(place_of(history, CH_OWNER)))
+      end if
+      call worst_lines(history, survey%extremes, owner, lines)
+      if (size(lines) > 0) call add_line(text, '')
+      do i = 1, size(lines)
+         call add_line(text, '  '//lines(i)%s)
+      end do
+   end subroutine add_worst
+
+   !> The same as one object
+   function info_json(path, reader, history, survey, names, values) result(json)
+      character(len=*), intent(in) :: path
+      type(history_reader_t), intent(in) :: reader
+      type(history_t), intent(in) :: history
+      type(survey_t), intent(in) :: survey
+      type(text_t), intent(in) :: names(:), values(:)
+      character(len=:), allocatable :: json
+
+      integer :: i, n, owner
+
+      json = '{'//json_member('exit_code', 0)//', '//json_member('file', path)//', '// &
+         json_member('kind', trim(merge('T01   ', 'kjoint', reader%is_t01)))//', '// &
+         json_member('title', trim(history%title))//', "run": {'
+      do i = 1, size(names)
+         json = json//json_member(names(i)%s, values(i)%s)//comma(i, size(names))
+      end do
+      n = survey%n_row
+      json = json//'}, '//json_member('samples', n)
+      if (n > 0) json = json//', '//json_member('first_time', survey%first(1))//', '// &
+         json_member('last_time', survey%last(1))
+      if (all(history%units%si > 0.0_wp)) json = json//', "units": ['//json_text(trim( &
+         history%units%symbol(1)))//', '//json_text(trim(history%units%symbol(2)))//', '// &
+         json_text(trim(history%units%symbol(3)))//']'
+      do owner = OF_JOINT, OF_SPRING
+         if (n_entity(history, owner) == 0) cycle
+         json = json//', "'//trim(groups(owner)%path)//'": ['
+         do i = 1, n_entity(history, owner)
+            json = json//'{'//json_member('id', history%entity(owner)%id(i))//', '// &
+               json_member('name', entity_title(history, owner, i))//'}'// &
+               comma(i, n_entity(history, owner))
+         end do
+         json = json//']'
+      end do
+      json = json//', "worst": '//worst_json(history, survey%extremes)//', "channels": ['
+      do i = 1, size(history%variable)
+         associate (v => history%variable(i))
+            json = json//'{'//json_member('name', channel_path(v%channel))//', '// &
+               json_member('entities', v%n_entity)//', '// &
+               json_member('components', v%n_comp)//', '//json_member('units', &
+               unit_text(channels(v%channel)%dim, history%units))//', '// &
+               json_member('peak', survey%peak(i))//', '// &
+               json_member('peak_time', survey%peak_time(i))//'}'//comma(i, size(history%variable))
+         end associate
+      end do
+      json = json//'], '//json_member('values_not_finite', survey%n_bad)//'}'//new_line('a')
+   end function info_json
+
    !> Go once over all rows, a block at a time
    subroutine survey_rows(reader, history, n_row, survey, error)
-      type(h5_reader_t), intent(in) :: reader
+      type(history_reader_t), intent(inout) :: reader
       type(history_t), intent(in) :: history
       integer, intent(in) :: n_row
       type(survey_t), intent(out) :: survey
@@ -80,11 +164,12 @@ contains
       allocate (rows(history%n_value, min(most, max(1, n_row))))
       do first = 1, n_row, most
          n = min(most, n_row - first + 1)
-         call read_h5_rows(reader, first, n, rows, error)
+         call read_rows(reader, first, n, rows, error)
          if (allocated(error)) return
          if (first == 1) survey%first = rows(:, 1)
          do row = 1, n
             call survey_row(history, rows(:, row), survey)
+            call watch_row(history, rows(:, row), survey%extremes)
          end do
          survey%last = rows(:, n)
       end do
@@ -124,8 +209,9 @@ contains
    end subroutine survey_row
 
    !> Title, status and where the history comes from
-   subroutine add_provenance(path, history, names, values, text)
+   subroutine add_provenance(path, reader, history, names, values, text)
       character(len=*), intent(in) :: path
+      type(history_reader_t), intent(in) :: reader
       type(history_t), intent(in) :: history
       type(text_t), intent(in) :: names(:), values(:)      !! attributes of /run
       character(len=:), allocatable, intent(inout) :: text
@@ -135,6 +221,11 @@ contains
 
       call add_line(text, path)
       if (len(history%title) > 0) call add_fact(text, 'title', trim(history%title))
+      if (reader%is_t01) then
+         call add_fact(text, 'made by', fact('made by', names, values, ''))
+         if (allocated(reader%note)) call add_fact(text, 'note', reader%note)
+         return
+      end if
       call add_fact(text, 'status', fact('status', names, values, 'unknown'))
       made = 'kjoint '//fact('version', names, values, 'of unknown version')
       made = joined(made, ', started ', fact('started', names, values, ''))
@@ -212,9 +303,7 @@ contains
          cell('unit', UNIT_WIDTH)//right('peak', NUMBER_WIDTH)//right('at t', NUMBER_WIDTH))
       do i = 1, size(history%variable)
          v = history%variable(i)
-         name = trim(groups(channels(v%channel)%owner)%path)
-         if (len(name) > 0) name = name//'/'
-         name = name//trim(channels(v%channel)%name)
+         name = channel_path(v%channel)
          shape_text = str(survey%n_row)
          if (len_trim(groups(channels(v%channel)%owner)%path) > 0) &
             shape_text = shape_text//' x '//str(v%n_entity)

@@ -272,6 +272,7 @@ contains
             call read_pairs(group, 'node', n, e%node, error)
             call read_pairs(group, 'body', n, e%body, error)
             call read_ids(group, 'skew', n, e%skew, error)
+            call read_blocking(group, n, e%blocking, error)
             call read_ids(group, 'main_node', n, e%main_node, error)
             call read_reals(group, 'mass', n, e%mass, error)
             call read_reals(group, 'inertia_principal', 3*n, values, error)
@@ -282,6 +283,23 @@ contains
       end if
       call close_object(group, error)
    end subroutine read_entities
+
+   !> Read the stiffness of the blocked directions, (2, n)
+   subroutine read_blocking(group, n, blocking, error)
+      integer(hid_t), intent(in) :: group
+      integer, intent(in) :: n
+      real(wp), allocatable, intent(out) :: blocking(:, :)
+      type(error_t), allocatable, intent(inout) :: error
+
+      real(wp), allocatable :: trans(:), rot(:)
+
+      call read_reals(group, 'blocking_trans', n, trans, error)
+      call read_reals(group, 'blocking_rot', n, rot, error)
+      if (.not. allocated(trans) .or. .not. allocated(rot)) return
+      allocate (blocking(2, n))
+      blocking(1, :) = trans
+      blocking(2, :) = rot
+   end subroutine read_blocking
 
    !> Read n reals; they stay unallocated when there is no such dataset
    subroutine read_reals(group, name, n, values, error)

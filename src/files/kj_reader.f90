@@ -8,12 +8,14 @@ module kj_reader
    use kj_text, only: text_t
    use kj_t01_bytes, only: byte_file_t, open_bytes, read_bytes, close_bytes
    use kj_t01, only: t01_reader_t, open_t01, read_t01_rows, close_t01
-   use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history
+   use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
+      read_run_facts
    use kj_sink, only: sink_t
    implicit none
    private
 
-   public :: history_reader_t, open_history_file, read_rows, close_history_file, convert_t01
+   public :: history_reader_t, open_history_file, read_rows, read_facts, close_history_file, &
+      convert_t01
 
    integer, parameter :: CLOSED = 0, KIND_T01 = 1, KIND_H5 = 2
 
@@ -83,13 +85,35 @@ contains
       is_h5 = .false.
       call open_bytes(path, file, ok)
       if (.not. ok) then
-         call fail(error, ERR_FILE, 'cannot open '//path)
+         call fail(error, ERR_FILE, 'cannot open '//path//': '//why_not(path))
          return
       end if
       call read_bytes(file, head, n)
+      if (n < 0) then                            ! what can be opened and not be read is a folder
+         call close_bytes(file)
+         call fail(error, ERR_FILE, 'cannot read '//path//': '//why_not(path))
+         return
+      end if
       call close_bytes(file)
       if (n == size(head)) is_h5 = all(iand(int(head), 255) == HDF5_MAGIC)
    end subroutine look_at_magic
+
+   !> Why a file cannot be opened, in the words of the system
+   function why_not(path) result(why)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: why
+
+      character(len=300) :: message
+      integer :: unit, status
+
+      message = ''
+      open (newunit=unit, file=path, status='old', action='read', access='stream', &
+         form='unformatted', iostat=status, iomsg=message)
+      if (status == 0) close (unit)
+      why = trim(message(index(message, ': ', back=.true.) + 1:))
+      if (len_trim(why) == 0) why = ' it is no file'
+      why = trim(adjustl(why))
+   end function why_not
 
    !> Read n rows from row `first` on, as history%variable says
    !>
@@ -103,6 +127,22 @@ contains
       if (reader%kind == KIND_T01) call read_t01_rows(reader%t01, first, n, rows, error)
       if (reader%kind == KIND_H5) call read_h5_rows(reader%h5, first, n, rows, error)
    end subroutine read_rows
+
+   !> What the file says of its run: names and values of /run; of a T01 who made it. Errors:
+   !> ERR_FILE
+   subroutine read_facts(reader, names, values, error)
+      type(history_reader_t), intent(in) :: reader
+      type(text_t), allocatable, intent(out) :: names(:), values(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (reader%kind == KIND_H5) then
+         call read_run_facts(reader%h5, names, values, error)
+         return
+      end if
+      allocate (names(1), values(1))
+      names(1)%s = 'made by'
+      values(1)%s = reader%t01%origin
+   end subroutine read_facts
 
    !> Close; nothing happens when it is not open
    subroutine close_history_file(reader, error)

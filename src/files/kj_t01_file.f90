@@ -58,7 +58,8 @@ contains
       call begin_text(file%bytes, file%is_text)
       if (file%is_text) return
       call close_t01_file(file)
-      call fail(error, ERR_FILE, path//' is not a Radioss time history')
+      call fail(error, ERR_FILE, &
+         path//' is neither a history of kjoint (HDF5) nor a Radioss time '// 'history (T01)')
    end subroutine open_t01_file
 
    !> The first record is an integer and 80 characters: its length tells byte order and word

@@ -3,12 +3,13 @@
 module kj_history
    use kj_kinds, only: wp
    use kj_units, only: unit_system_t
+   use kj_error, only: str
    use kj_text, only: text_t
    use kj_channels, only: channels, OF_RUN, OF_JOINT, OF_SPRING
    implicit none
    private
 
-   public :: history_t, entity_t, shape_t, variable_t, n_entity, add_variable
+   public :: history_t, entity_t, shape_t, variable_t, n_entity, add_variable, entity_title
 
    !> One dataset over time: n_entity series of n_comp numbers, component fastest
    type :: variable_t
@@ -26,7 +27,10 @@ module kj_history
       ! joints and springs
       integer, allocatable :: type(:), property(:)
       integer, allocatable :: node(:, :), body(:, :)   !! (2, n) user ids of the ends, 0 = none
-      integer, allocatable :: skew(:)                  !! id of the axes of a node's components
+      integer, allocatable :: skew(:)                  !! nodes: id of the axes of their components
+      !> (2, n) stiffness of the blocked translations and rotations; 0 = none, or not known before
+      !> a run
+      real(wp), allocatable :: blocking(:, :)
       ! rigid bodies
       integer, allocatable :: main_node(:)
       real(wp), allocatable :: mass(:)
@@ -84,5 +88,19 @@ contains
       history%variable = [history%variable, v]
       history%n_value = history%n_value + v%n_entity*v%n_comp
    end subroutine add_variable
+
+   !> An entity as people know it: "pin C (903)"; its user id where it has no label
+   pure function entity_title(history, owner, e) result(title)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner               !! OF_ constant, not of the run
+      integer, intent(in) :: e                   !! place among its entities
+      character(len=:), allocatable :: title
+
+      title = str(history%entity(owner)%id(e))
+      if (.not. allocated(history%entity(owner)%label)) return
+      if (.not. allocated(history%entity(owner)%label(e)%s)) return
+      if (len_trim(history%entity(owner)%label(e)%s) > 0) &
+         title = trim(history%entity(owner)%label(e)%s)//' ('//title//')'
+   end function entity_title
 
 end module kj_history

@@ -2,7 +2,8 @@
 !>
 !>    group/dataset[entity].component       joint/force[pin C].x, node/position[12].norm, mass
 !>
-!> An entity is its user id or its label; without one: all. A component is x y z, w x y z, tx to rz,
+!> An entity is its user id, its label, or both as in "pin C (903)"; without one: all. A component
+!> is x y z, w x y z, tx to rz,
 !> or `norm` of a vector; without one: all. * and ? stand for any text and any letter, but for the
 !> stroke between group and dataset. Several names have blanks between them.
 module kj_series
@@ -13,14 +14,14 @@ module kj_series
    use kj_units, only: unit_text
    use kj_joint_types, only: DOF_NAME
    use kj_channels, only: channels, groups, OF_RUN, CH_TIME
-   use kj_history, only: history_t, variable_t
+   use kj_history, only: history_t, variable_t, entity_title
    implicit none
    private
 
    public :: series_t, find_series, series_value, series_unit, entity_name, channel_path, &
       component_name
 
-   integer, parameter, public :: NORM = 0        !! the length of the vector, as a component
+   integer, parameter, public :: NORM = 0        !! component: the length of the vector
 
    !> One number over time
    type :: series_t
@@ -187,7 +188,8 @@ contains
       if (owner == OF_RUN) return
       yes = matches(str(history%entity(owner)%id(e)), pattern%entity)
       if (yes) return
-      yes = matches(label_of(history, owner, e), pattern%entity)
+      yes = matches(label_of(history, owner, e), pattern%entity) .or. &
+         entity_title(history, owner, e) == pattern%entity
    end function is_entity
 
    pure logical function is_component(variable, k, pattern) result(yes)

@@ -2,12 +2,12 @@
 !> Structure of arrays, joint first: one dof of all joints is one contiguous column.
 module kj_joint_batch
    use kj_kinds, only: wp
-   use kj_joint_types, only: NDOF
+   use kj_joint_types, only: NDOF, joint_types
    implicit none
    private
 
    public :: joint_batch_t, limits_t, geometry_t, new_batch, new_limits, is_spring, has_friction, &
-      has_limits
+      has_limits, blocking_stiffness
 
    !> Law signature of a dof, bits
    integer, parameter, public :: LAW_SPRING = 1        !! linear stiffness
@@ -143,5 +143,16 @@ contains
          any(limit%hi(j, :) > 0.0_wp) .or. &
          any(has_friction(limit%k(j, :), limit%slip(j, :), limit%slip_curve(j, :)))
    end function has_limits
+
+   !> Stiffness of the blocked translations and rotations of joint p; 0 = none, or not yet known
+   pure function blocking_stiffness(batch, p) result(k)
+      type(joint_batch_t), intent(in) :: batch
+      integer, intent(in) :: p
+      real(wp) :: k(2)
+
+      k(1) = maxval(batch%k(p, :3), mask=joint_types(batch%row)%free(:3) == 0)
+      k(2) = maxval(batch%k(p, 4:), mask=joint_types(batch%row)%free(4:) == 0)
+      k = max(0.0_wp, k)
+   end function blocking_stiffness
 
 end module kj_joint_batch

@@ -1,0 +1,137 @@
+!> What gave way most, in words and as JSON: the end of `kjoint run` and of `kjoint info`.
+module kj_worst
+   use kj_kinds, only: wp
+   use kj_error, only: str
+   use kj_text, only: text_t, append_text
+   use kj_json_writer, only: json_member, json_real
+   use kj_units, only: unit_name, D_LENGTH, D_FORCE, D_MOMENT, D_ANGLE, D_ANGULAR_VELOCITY, &
+      D_STIFFNESS
+   use kj_channels, only: OF_JOINT
+   use kj_history, only: history_t, entity_title
+   use kj_extremes, only: extreme_t, extremes_t
+   implicit none
+   private
+
+   public :: worst_lines, worst_json
+
+   integer, parameter :: N_KIND = 7
+   real(wp), parameter :: LITTLE = 1.0e-3_wp     !! blocked turns below are not worth a line
+
+contains
+
+   !> A line each, in columns: "largest gap     3.91e-6 m  crank pin (902) at t = 0.0213, force 196
+   !> N"
+   subroutine worst_lines(history, x, owner, lines)
+      type(history_t), intent(in) :: history
+      type(extremes_t), intent(in) :: x
+      integer, intent(in) :: owner               !! id of the joint that holds the step; 0: none
+      type(text_t), allocatable, intent(out) :: lines(:)
+
+      character(len=*), parameter :: NAME(N_KIND) = [character(len=14) :: 'largest gap', &
+         'blocked turn', 'peak force', 'peak moment', 'fastest turn', 'nearest stop', &
+         'nearest stop']
+      integer, parameter :: DIM(N_KIND) = [D_LENGTH, D_ANGLE, D_FORCE, D_MOMENT, &
+         D_ANGULAR_VELOCITY, D_LENGTH, D_ANGLE]
+      type(extreme_t) :: all(N_KIND)
+      character(len=:), allocatable :: line
+      integer :: i
+
+      allocate (lines(0))
+      all = [x%gap, x%gap_rot, x%force, x%moment, x%turn, x%margin, x%margin_rot]
+      do i = 1, N_KIND
+         if (all(i)%joint == 0) cycle
+         if (i == 2 .and. all(i)%value < LITTLE) cycle
+         line = NAME(i)//few(abs(all(i)%value))//' '//unit_name(DIM(i), history%units)
+         if (all(i)%value < 0.0_wp) line = line//' beyond'
+         line = line//'  '//entity_title(history, OF_JOINT, all(i)%joint)//' at t = '// &
+            few(all(i)%time)
+         if (i == 1 .and. all(i)%force > 0.0_wp) line = line//', force '//few(all(i)%force)//' '// &
+            unit_name(D_FORCE, history%units)
+         call append_text(lines, line)
+         if (i == 1) call add_advice(history, all(i), owner, lines)
+      end do
+   end subroutine worst_lines
+
+   !> The stiffness that halves the gap: it goes with 1/Kn, the step of the joint with 1/sqrt(Kn)
+   subroutine add_advice(history, gap, owner, lines)
+      type(history_t), intent(in) :: history
+      type(extreme_t), intent(in) :: gap
+      integer, intent(in) :: owner
+      type(text_t), allocatable, intent(inout) :: lines(:)
+
+      character(len=:), allocatable :: cost
+      real(wp) :: kn
+
+      associate (joints => history%entity(OF_JOINT))
+         if (.not. allocated(joints%blocking)) return
+         kn = joints%blocking(1, gap%joint)
+         if (.not. kn > 0.0_wp) return
+         cost = 'at most 41 % more cycles'
+         if (joints%id(gap%joint) == owner) cost = '41 % more cycles'
+      end associate
+      call append_text(lines, 'half of it    Kn '//few(2.0_wp*kn)//' instead of '//few(kn)//' '// &
+         unit_name(D_STIFFNESS, history%units)//': '//cost)
+   end subroutine add_advice
+
+   !> An object with a member for each that there is: value, joint, label, time, force
+   function worst_json(history, x) result(json)
+      type(history_t), intent(in) :: history
+      type(extremes_t), intent(in) :: x
+      character(len=:), allocatable :: json
+
+      json = '{'
+      call add('gap', x%gap)
+      call add('blocked_rotation', x%gap_rot)
+      call add('force', x%force)
+      call add('moment', x%moment)
+      call add('angular_velocity', x%turn)
+      call add('stop_gap', x%margin)
+      call add('stop_gap_rotation', x%margin_rot)
+      json = json//'}'
+
+   contains
+
+      subroutine add(name, e)
+         character(len=*), intent(in) :: name
+         type(extreme_t), intent(in) :: e
+
+         if (e%joint == 0) return
+         if (len(json) > 1) json = json//', '
+         json = json//'"'//name//'": {"value": '//json_real(e%value)//', "joint": '// &
+            str(history%entity(OF_JOINT)%id(e%joint))//', '//json_member('name', &
+            entity_title(history, OF_JOINT, e%joint))//', "time": '//json_real(e%time)// &
+            ', "force": '//json_real(e%force)//'}'
+      end subroutine add
+   end function worst_json
+
+   !> Three digits: 0.0213, 196, 3.91e-6
+   function few(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: text
+
+      character(len=24) :: buffer
+      integer :: e, power
+
+      write (buffer, '(es24.2e3)') value
+      e = index(buffer, 'E')
+      read (buffer(e + 1:), '(i4)') power
+      text = without_zeros(buffer(:e - 1))//'e'//str(power)
+      if (abs(value) < tiny(value)) text = '0'
+      if (abs(value) < tiny(value) .or. power < -3 .or. power > 4) return
+      write (buffer, '(f24.'//str(max(0, 2 - power))//')') value
+      text = without_zeros(buffer)
+      if (text(1:1) == '.') text = '0'//text
+      if (text(1:min(2, len(text))) == '-.') text = '-0'//text(2:)
+   end function few
+
+   !> A number with a point, without what ends it for nothing
+   pure function without_zeros(number) result(text)
+      character(len=*), intent(in) :: number
+      character(len=:), allocatable :: text
+
+      text = trim(adjustl(number))
+      text = text(:verify(text, '0', back=.true.))
+      if (text(len(text):) == '.') text = text(:len(text) - 1)
+   end function without_zeros
+
+end module kj_worst
