@@ -115,15 +115,16 @@ def study(program, name, deck):
         cells = [one["name"]]
         if one["good"]:
             cells += [one["cycles"], f"{one['cpu_s']:.3f}", number(one["error"]),
+                      number(one["error_of_steps"]), number(one["error_of_joints"]),
                       number(max(one["error_velocity"], one["error_angular_velocity"])),
                       number(max(one["error_force"], one["error_moment"])), number(one["energy_error"]),
                       number(one["violation_trans"])]
-        rows.append(cells + ["failed"] * (8 - len(cells)))
+        rows.append(cells + ["failed"] * (10 - len(cells)))
     orders = ", ".join(f"{scheme} {order:.2f}" for scheme, order in found["orders"].items() if order)
     advice = found["recommendation"].split("\n")[0].replace(str(deck), deck.name)
     return (f"![{found['title']}: error over cost, and over the step](img/{plot.name})\n\n" +
-            table(["setting", "cycles", "time [s]", "position, rotation", "velocities", "forces", "energy", "gap [m]"],
-                  rows) + f"\n\nOrder in the step: {orders}. {advice}.")
+            table(["setting", "cycles", "time [s]", "error", "of steps", "of joints", "velocities", "forces", "energy",
+                   "gap [m]"], rows) + f"\n\nOrder in the step: {orders}. {advice}.")
 
 
 def put(page, name, text):

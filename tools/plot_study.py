@@ -17,16 +17,16 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
 
 STYLES = {"split2": ("tab:blue", "o"), "liemid": ("tab:green", "s"), "rkmk4": ("tab:purple", "^"),
-          "legacy": ("tab:red", "D"), "softer": ("tab:cyan", "o")}
+          "legacy": ("tab:red", "D"), "compliant": ("tab:orange", "v"), "other Kn": ("tab:cyan", "o")}
 MEANING = {"split2": "consistent, split2", "liemid": "consistent, liemid", "rkmk4": "consistent, rkmk4",
-           "legacy": "legacy", "softer": "split2, softer joints"}
+           "legacy": "legacy", "compliant": "compliant, ideal joints", "other Kn": "other Kn"}
 
 
 def families(settings):
     """Settings by integrator; those with scaled stiffness are a family of their own."""
     groups = {}
     for setting in settings:
-        name = setting["integrator"] if setting["kn_scale"] == 1 else "softer"
+        name = setting["integrator"] if setting["kn_scale"] == 1 else "other Kn"
         if setting["good"] and setting["error"] > 0:
             groups.setdefault(name, []).append(setting)
     return groups
@@ -39,13 +39,13 @@ def draw_trade(axes, study, groups):
               solid_capstyle="round", label="nothing is cheaper and better")
     for name, group in groups.items():
         colour, mark = STYLES[name]
-        hollow = {"mfc": "none"} if name == "softer" else {}
+        hollow = {"mfc": "none"} if name == "other Kn" else {}
         axes.plot([s["cpu_s"] for s in group], [s["error"] for s in group], mark + "-", color=colour, lw=1,
                   label=MEANING[name], **hollow)
         for s in group:
             if name == "liemid" and s not in front:
                 continue                       # it lies beside split2, label on label
-            text = f"Kn x {s['kn_scale']:g}" if name == "softer" else f"{s['dt_scale']:g}"
+            text = f"Kn x {s['kn_scale']:g}" if name == "other Kn" else f"{s['dt_scale']:g}"
             axes.annotate(text, (s["cpu_s"], s["error"]), textcoords="offset points", xytext=(6, 3), fontsize=7,
                           color=colour)
     if study["recommended"]:
@@ -61,19 +61,20 @@ def draw_trade(axes, study, groups):
 
 def draw_order(axes, study, groups):
     for name, group in groups.items():
-        if name == "softer":
+        if name in ("other Kn", "compliant"):
             continue
         colour, mark = STYLES[name]
         order = study["orders"].get(name, 0)
         label = MEANING[name] + (f": order {order:.2f}" if order else "")
-        axes.plot([s["step"] for s in group], [s["error"] for s in group], mark + "-", color=colour, lw=1, label=label)
-    steps = [s["step"] for name, group in groups.items() if name != "softer" for s in group]
-    errors = [s["error"] for s in groups.get("split2", []) or next(iter(groups.values()))]
+        axes.plot([s["step"] for s in group], [s["error_of_steps"] for s in group], mark + "-", color=colour, lw=1, label=label)
+    steps = [s["step"] for name, group in groups.items()
+             if name not in ("other Kn", "compliant") for s in group]
+    errors = [s["error_of_steps"] for s in groups.get("split2", []) or next(iter(groups.values()))]
     ends = [min(steps), max(steps)]
     for order, dash in ((1, "--"), (2, "-.")):
         axes.plot(ends, [0.3 * max(errors) * (h / ends[1]) ** order for h in ends], "k" + dash, lw=0.7, alpha=0.5,
                   label=f"slope {order}")
-    axes.set(xscale="log", yscale="log", xlabel="mean time step", ylabel="error of positions and rotations")
+    axes.set(xscale="log", yscale="log", xlabel="mean time step", ylabel="error of the steps alone")
     axes.legend(fontsize=8, loc="best")
     axes.set_title("how the error falls with the step", fontsize=10)
 

@@ -123,14 +123,25 @@ contains
 
       do i = 1, size(self%history%variable)
          associate (v => self%history%variable(i))
-            associate (worst => maxval(abs(row(v%first:v%first + v%n_entity*v%n_comp - 1))))
-               if (v%channel == CH_ENERGY_ERROR) self%energy = max(self%energy, worst)
-               if (v%channel == CH_J_VIOL_T) self%gap = max(self%gap, worst)
-               if (v%channel == CH_J_VIOL_R) self%gap_rot = max(self%gap_rot, worst)
+            associate (now => row(v%first:v%first + v%n_entity*v%n_comp - 1))
+               if (v%channel == CH_ENERGY_ERROR) call raise(self%energy, now)
+               if (v%channel == CH_J_VIOL_T) call raise(self%gap, now)
+               if (v%channel == CH_J_VIOL_R) call raise(self%gap_rot, now)
             end associate
          end associate
       end do
    end subroutine note_worst
+
+   pure subroutine raise(worst, values)
+      real(wp), intent(inout) :: worst
+      real(wp), intent(in) :: values(:)
+
+      integer :: k
+
+      do k = 1, size(values)
+         worst = larger(worst, abs(values(k)))
+      end do
+   end subroutine raise
 
    !> Error of a run against a reference that kept every row, class by class: the largest root mean
    !> square over time of one entity's difference, over the peak of the class in the reference.
@@ -156,7 +167,7 @@ contains
             if (row == 0) cycle
             class = COMPARED(2, row)
             do k = 1, v%n_entity
-               error(class) = max(error(class), distance(ref, run, v, k))
+               error(class) = larger(error(class), distance(ref, run, v, k))
                peak(class) = max(peak(class), peak_of(ref, v, k, class <= 2))
             end do
          end associate
@@ -173,10 +184,18 @@ contains
          peak(5)*peak(1)])
       where (peak > 0.0_wp)
          error = error/peak
-      else where
+      else where (error <= huge(1.0_wp))
          error = 0.0_wp
       end where
    end function class_errors
+
+   !> The larger of two numbers; what is not a number is larger than all
+   pure real(wp) function larger(a, b)
+      real(wp), intent(in) :: a, b
+
+      larger = b
+      if (a >= b .or. .not. a <= huge(1.0_wp)) larger = a
+   end function larger
 
    !> Root mean square over time of the difference of one entity
    pure real(wp) function distance(ref, run, v, k) result(d)

@@ -47,7 +47,7 @@ module kjoint
       TRACE_BODY, TRACE_NODE
    public :: simulation_worst, text_t
    public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
-      simulation_options, default_output
+      simulation_options, simulation_checkpoints, default_output
    public :: check_t, limit_row_t, check_simulation
    ! model level, stepped by the host
    public :: start_simulation, advance_simulation, step_simulation, simulation_status
@@ -406,6 +406,15 @@ module kjoint
          type(simulation_t), intent(in) :: sim
          type(run_options_t) :: options
       end function simulation_options
+
+      !> What the engine deck says of checkpoints (/RFILE), and the number of the run: above 1 it
+      !> goes on from a saved state
+      module subroutine simulation_checkpoints(sim, at_end, cycles, run_number)
+         type(simulation_t), intent(in) :: sim
+         logical, intent(out) :: at_end
+         integer, intent(out) :: cycles         !! between two; huge: none
+         integer, intent(out) :: run_number
+      end subroutine simulation_checkpoints
 
       !> Title of the deck
       module function simulation_title(sim) result(title)

@@ -75,6 +75,12 @@ contains
       options = sim%options
    end procedure simulation_options
 
+   module procedure simulation_checkpoints
+      at_end = sim%model%control%checkpoint
+      cycles = sim%model%control%checkpoint_cycles
+      run_number = sim%model%control%run_number
+   end procedure simulation_checkpoints
+
    module procedure simulation_title
       title = sim%model%title
    end procedure simulation_title

@@ -19,6 +19,11 @@ contains
 
    module procedure run_simulation
       call check_loaded(sim, error)
+      if (.not. (allocated(error) .or. sim%restored)) call refuse_later_run(sim, error)
+      if (sim%restored .and. .not. allocated(error)) then
+         if (is_over(sim%model%model_t, sim%scheme)) call fail(error, ERR_INPUT, &
+            'the saved state is at the end of the run already: ask for a later end')
+      end if
       if (allocated(error)) return
       sim%started = .false.
       sim%extremes = extremes_t()
@@ -69,6 +74,16 @@ contains
       if (allocated(sim%row)) deallocate (sim%row)
       status%wall_output = status%wall_output + wall_clock() - clock
    end subroutine run_open
+
+   !> Errors: ERR_INPUT when the engine deck says that it goes on from a run before
+   subroutine refuse_later_run(sim, error)
+      type(simulation_t), intent(in) :: sim
+      type(error_t), allocatable, intent(out) :: error
+
+      if (sim%model%control%run_number > 1) call fail(error, ERR_INPUT, 'run '// &
+         str(sim%model%control%run_number)//' goes on from the saved state of the run before', &
+         'KJ-9066')
+   end subroutine refuse_later_run
 
    module procedure trace_simulation
       call check_loaded(sim, error)
@@ -125,6 +140,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       integer(int8), allocatable :: left(:)      !! state where the steps began to be cut
+      type(error_t), allocatable :: ignored
       logical :: over
 
       stop = .false.
@@ -134,8 +150,14 @@ contains
             call look(sim, monitor)
             call keep_point(sim, monitor, over .or. stop, status, left, error)
             if (allocated(error)) return
-            if (s%due .or. over .or. (stop .and. .not. s%apart)) &
+            if (s%due .or. over .or. (stop .and. .not. s%apart)) then
                call add_row(sim, sink, clock, status, error)
+               if (.not. allocated(error)) call check_energy(sim, status, error)
+               if (allocated(error) .and. sim%model%control%stop_saves) then
+                  sim%rows = sim%rows - 1        ! the run that goes on writes this one again
+                  call keep_state(sim, monitor, status, left, ignored)
+               end if
+            end if
             if (over .or. stop .or. allocated(error)) return
             call go_on(sim%model, s, error)
             if (allocated(error)) return
@@ -155,31 +177,35 @@ contains
       integer(int8), allocatable, intent(inout) :: left(:)
       type(error_t), allocatable, intent(out) :: error
 
-      integer(int8), allocatable :: now(:)
       logical :: wanted
 
       call monitor%wants_state(ended, wanted)
       if (.not. allocated(left)) then
-         if (leaves_path(sim%model%model_t, sim%scheme)) call save(left)
+         if (leaves_path(sim%model%model_t, sim%scheme)) call save_scene(sim%options, &
+            sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, left)
       end if
-      if (.not. wanted) return
-      if (.not. allocated(left)) call save(now)
+      if (wanted) call keep_state(sim, monitor, status, left, error)
+   end subroutine keep_point
+
+   !> Hand the monitor the state now, or the one from before the steps were cut
+   subroutine keep_state(sim, monitor, status, left, error)
+      type(simulation_t), intent(inout) :: sim
+      class(monitor_t), intent(inout) :: monitor
+      type(run_status_t), intent(inout) :: status
+      integer(int8), allocatable, intent(in) :: left(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      integer(int8), allocatable :: now(:)
+
       call tell(sim, status)
       if (allocated(left)) then
          call monitor%take_state(left, status, error)
       else
+         call save_scene(sim%options, sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, &
+            now)
          call monitor%take_state(now, status, error)
       end if
-
-   contains
-
-      subroutine save(byte)
-         integer(int8), allocatable, intent(out) :: byte(:)
-
-         call save_scene(sim%options, sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, &
-            byte)
-      end subroutine save
-   end subroutine keep_point
+   end subroutine keep_state
 
    !> Close the sink with the outcome; an error of the run goes before one of the sink
    subroutine end_history(sink, stopped, cycles, error)
@@ -228,9 +254,20 @@ contains
       sim%rows = sim%rows + 1
       if (allocated(error)) return
       call tell(sim, status)
-      if (sim%options%energy_limit < 0.0_wp) return
-      ! an error that is not a number is within no limit
-      if (100.0_wp*abs(status%energy_error) <= sim%options%energy_limit) return
+   end subroutine add_row
+
+   !> The limit of the energy error: that of the options, else of /STOP and /KILL.
+   !> Errors: ERR_RUN when it is passed; an error that is not a number is within no limit
+   subroutine check_energy(sim, status, error)
+      type(simulation_t), intent(in) :: sim
+      type(run_status_t), intent(in) :: status
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: limit
+
+      limit = min(sim%model%control%stop_energy, huge(1.0_wp))
+      if (sim%options%energy_limit >= 0.0_wp) limit = min(limit, sim%options%energy_limit/100.0_wp)
+      if (limit >= huge(1.0_wp) .or. abs(status%energy_error) <= limit) return
       if (abs(status%energy_error) <= huge(1.0_wp)) then
          call fail(error, ERR_RUN, 'the energy error passed its limit in cycle '// &
             str(status%cycle))
@@ -238,7 +275,7 @@ contains
          call fail(error, ERR_RUN, 'the energy is not finite any more in cycle '// &
             str(status%cycle)//', so its error passes every limit')
       end if
-   end subroutine add_row
+   end subroutine check_energy
 
    !> All channels now; the row of a last state that is no regular sample says so
    subroutine fill_row(sim, row, error)

@@ -13,6 +13,7 @@ contains
 
    module procedure start_simulation
       call check_loaded(sim, error)
+      if (.not. allocated(error)) call refuse_later_run(sim, error)
       if (allocated(error)) return
       if (sim%options%islands) then
          call fail(error, ERR_INPUT, 'islands march by themselves: a host steps one scene')

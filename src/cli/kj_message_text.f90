@@ -128,7 +128,8 @@ module kj_message_text
       'Write the id after the keyword.'), &
    message_t('KJ-9038', SEV_ERROR, 'a second /BEGIN', 'The deck has two of them; the first one holds.', 'Remove one.'), &
    message_t('KJ-9040', SEV_WARNING, 'an engine keyword stands twice', 'As in Radioss, the first one holds.', 'Remove one.'), &
-   message_t('KJ-9041', SEV_WARNING, 'limits of /STOP and /KILL do not act', 'kjoint has a limit of the energy error of its own.', &
+   message_t('KJ-9041', SEV_WARNING, 'limits of mass of /STOP and /KILL do not act', &
+      'Of these two keywords the limit of the energy error acts.', &
       'Use --energy-limit.'), &
    message_t('KJ-9061', SEV_ERROR, 'a keyword of the engine deck in the starter deck', &
       'The deck seems to hold starter and engine deck in one file.', &
@@ -148,9 +149,9 @@ module kj_message_text
       'The step is the factor times the critical one. Beyond that the scheme is unstable.', &
       'Write 0.9, or 0 for the default.'), &
    message_t('KJ-9066', SEV_ERROR, 'the run goes on from a restart file', &
-      '/RUN/name/2 and above go on where the run before ended. Restart files of other '// &
-      'solvers are not read.', &
-      'Run from the start: the deck of run 1 with --until and the last end time.'), &
+      '/RUN/name/2 and above go on where the run before ended, from its checkpoint '// &
+      'RUN.restart.h5. Restart files of other solvers are not read.', &
+      'Run the deck of run 1 with --checkpoint first, or name a file by --restart.'), &
    message_t('KJ-9067', SEV_ERROR, 'the time step is held by added mass', &
       '/DT/NODA/CST adds mass to nodes and bodies until their step is as wanted. The '// &
       'consistent formulation changes no mass.', &

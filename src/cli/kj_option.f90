@@ -56,7 +56,8 @@ module kj_option
       4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, OPT_RTOL = 9, OPT_INTERP = &
       10, OPT_WINDOW = 11, OPT_METRICS = 12, OPT_JUNIT = 13, OPT_ERROR = 14, OPT_SCALES = 15, &
       OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18, OPT_STRICT = 19, OPT_TO = 20, &
-      OPT_SEPARATOR = 21, OPT_DECIMAL = 22, OPT_TFILE = 23, OPT_CHANNELS = 24
+      OPT_SEPARATOR = 21, OPT_DECIMAL = 22, OPT_TFILE = 23, OPT_CHANNELS = 24, &
+      OPT_CHECKPOINT = 25, OPT_CHECKPOINT_EVERY = 26, OPT_RESTART = 27, OPT_NEW_FILE = 28
 
    !> One option of one command or more
    type :: option_t
@@ -117,7 +118,15 @@ module kj_option
       option_t(OPT_TFILE,        '',   '--tfile',             'N',      'export', &
                '/TFILE type of a t01: 1 64-bit, 4 32-bit; default: as precise as RUN.h5'), &
       option_t(OPT_CHANNELS,     '',   '--channels',          'LIST',   'diff', &
-               'compare these only: group/dataset[entity].component, blanks between them')]
+               'compare these only: group/dataset[entity].component, blanks between them'), &
+      option_t(OPT_CHECKPOINT,   '',   '--checkpoint',        '',       'run', &
+               'leave RUN.restart.h5 at the end, to go on from'), &
+      option_t(OPT_CHECKPOINT_EVERY, '', '--checkpoint-every', 'S',     'run', &
+               'write it every S seconds of wall clock, and at the end'), &
+      option_t(OPT_RESTART,      '',   '--restart',           'FILE',   'run', &
+               'go on from RUN.restart.h5, same bits; its history grows'), &
+      option_t(OPT_NEW_FILE,     '',   '--new-file',          '',       'run', &
+               'with --restart: a history of its own, RUN.2.h5 or -o')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)
@@ -410,7 +419,7 @@ contains
          args%n_operand = args%n_operand + 1
       end if
       if (args%n_operand >= max(1, commands(args%command)%least)) return
-      if (args%command == CMD_HELP .or. args%command == CMD_VERSION) return
+      if (any(args%command == [CMD_HELP, CMD_VERSION]) .or. args%given(OPT_RESTART)) return
       call fail(error, ERR_INPUT, '`'//trim(commands(args%command)%name)//'` needs more operands')
       error%hint = usage(args%command)
    end subroutine check_operands

@@ -11,7 +11,7 @@ module kj_progress
    implicit none
    private
 
-   public :: progress_t, start_progress, end_progress, limiter, percent, rate
+   public :: progress_t, start_progress, end_progress, status_now, limiter, percent, rate
 
    real(wp), parameter :: FIRST = 1.0_wp        !! [s] of wall clock before the first line
    real(wp), parameter :: PAUSE = 0.2_wp        !! [s] of wall clock between two lines
@@ -42,6 +42,15 @@ contains
       self%listed = -1
       self%open = .false.
    end subroutine start_progress
+
+   !> Where a run is, in a line
+   function status_now(self, status) result(text)
+      class(progress_t), intent(in) :: self
+      type(run_status_t), intent(in) :: status
+      character(len=:), allocatable :: text
+
+      text = status_line(status, wall_clock() - self%started)
+   end function status_now
 
    !> Take the status line away
    subroutine end_progress(self)

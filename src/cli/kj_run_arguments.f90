@@ -19,7 +19,7 @@ contains
    !> Errors: ERR_INPUT when one has a wrong value, or --legacy meets another formulation
    subroutine take_run_options(args, options, error)
       type(arguments_t), intent(in) :: args
-      type(run_options_t), intent(out) :: options
+      type(run_options_t), intent(inout) :: options    !! those that are not given stay
       type(error_t), allocatable, intent(out) :: error
 
       type(option_t) :: o

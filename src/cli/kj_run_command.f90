@@ -12,7 +12,9 @@ module kj_run_command
    use kj_trace_command, only: tracer_t, start_trace, end_trace
    use kj_progress, only: start_progress, end_progress, limiter, percent, rate, SHOW_NOTHING, &
       SHOW_STATUS, SHOW_LISTING
-   use kj_sink_h5, only: sink_h5_t
+   use kj_restart_file, only: restart_t
+   use kj_keeper, only: start_keeper
+   use kj_restart_command, only: continued_sink_t, find_restart, restart_from, continued_path
    use kjoint, only: text_t, simulation_worst, simulation_t, run_options_t, run_status_t, &
       load_simulation, run_simulation, simulation_title, default_output
    implicit none
@@ -20,10 +22,13 @@ module kj_run_command
 
    public :: run_command
 
+   integer, parameter :: STOPPED = 130           !! exit code of a run that its user ended
+
    !> What came of a run
    type :: outcome_t
       type(run_status_t) :: status
       character(len=:), allocatable :: title, history, verdict
+      character(len=:), allocatable :: checkpoint    !! path, where one was written
       real(wp) :: elapsed = 0.0_wp               !! [s] of wall clock
       integer :: code = 0                        !! exit code
       type(text_t), allocatable :: worst(:)      !! what gave way most, in lines
@@ -33,8 +38,8 @@ module kj_run_command
 contains
 
    !> Run a deck as the arguments say; everything that is to be said has been said on return
-   subroutine run_command(args, command_line, code)
-      type(arguments_t), intent(in) :: args
+   subroutine run_command(given, command_line, code)
+      type(arguments_t), intent(in) :: given
       character(len=*), intent(in) :: command_line
       integer, intent(out) :: code                   !! exit code
 
@@ -44,20 +49,32 @@ contains
       type(finding_list_t) :: findings
       type(outcome_t) :: outcome
       type(error_t), allocatable :: error
+      type(arguments_t) :: args                      ! with the decks of the checkpoint
+      type(restart_t) :: restart
+      type(continued_sink_t), target :: sink
       character(len=:), allocatable :: engine
+      logical :: goes_on
 
       call watch_signals()
-      call take_run_options(args, options, error)
+      args = given
+      tracer%sink => sink
+      engine = ''
+      call find_restart(args, options, restart, goes_on, error)
+      if (.not. allocated(error)) call take_run_options(args, options, error)
       if (.not. allocated(error)) call find_engine(args, options, engine, error)
       if (.not. allocated(error)) &
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
       if (.not. allocated(error) .and. findings%n_error == 0) &
          call start_trace(args, sim, tracer, error)
+      if (.not. allocated(error) .and. findings%n_error == 0 .and. goes_on) &
+         call restart_from(restart, sim, error)
       if (.not. args%given(OPT_JSON)) call print_findings(findings, may_colour(STDERR), &
          args%given(OPT_VERBOSE), args%given(OPT_QUIET))
       if (.not. allocated(error) .and. findings%n_error == 0) &
-         call advance(sim, args, command_line, options%threads, tracer, outcome, error)
+         call advance(sim, args, engine, command_line, options%threads, restart, goes_on, sink, &
+         tracer, outcome, error)
       code = exit_code(findings, error)
+      if (tracer%stopped .or. tracer%killed) code = STOPPED
       if (caught_signal() > 0) code = 128 + caught_signal()
       outcome%code = code
       if (args%given(OPT_JSON)) then
@@ -71,22 +88,26 @@ contains
    end subroutine run_command
 
    !> The run itself
-   subroutine advance(sim, args, command_line, threads, tracer, outcome, error)
+   subroutine advance(sim, args, engine, command_line, threads, restart, goes_on, sink, tracer, &
+      outcome, error)
       type(simulation_t), intent(inout) :: sim
       type(arguments_t), intent(in) :: args
-      character(len=*), intent(in) :: command_line
+      character(len=*), intent(in) :: engine, command_line
       integer, intent(in) :: threads
+      type(restart_t), intent(in) :: restart
+      logical, intent(in) :: goes_on                 !! from that checkpoint
+      type(continued_sink_t), intent(inout) :: sink
       type(tracer_t), intent(inout) :: tracer
       type(outcome_t), intent(inout) :: outcome
       type(error_t), allocatable, intent(out) :: error
 
-      type(sink_h5_t) :: sink
       real(wp) :: started
       integer :: show
 
       outcome%title = trim(simulation_title(sim))
       sink%path = default_output(sim)
       if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
+      if (goes_on) call continued_path(args, restart, sink)
       sink%reproducible = args%given(OPT_REPRODUCIBLE)
       sink%command_line = command_line
       sink%n_threads = threads
@@ -95,6 +116,8 @@ contains
       if (may_overwrite(STDERR) .and. .not. args%given(OPT_VERBOSE)) show = SHOW_STATUS
       if (args%given(OPT_QUIET)) show = SHOW_NOTHING
       started = wall_clock()
+      call start_keeper(args, sim, args%operand(1)%s, engine, sink%path, tracer, error)
+      if (allocated(error)) return
       call start_progress(tracer%progress_t, show)
       call run_simulation(sim, sink, tracer, outcome%status, error)
       call end_progress(tracer%progress_t)
@@ -103,7 +126,9 @@ contains
       call simulation_worst(sim, outcome%worst, outcome%worst_json)
       outcome%verdict = 'NORMAL TERMINATION'
       if (caught_signal() > 0) outcome%verdict = 'STOPPED BY USER'
+      if (tracer%stopped .or. tracer%killed) outcome%verdict = 'STOPPED BY USER'
       if (allocated(error)) outcome%verdict = 'ERROR TERMINATION'
+      if (tracer%saved) outcome%checkpoint = tracer%path
    end subroutine advance
 
    subroutine print_summary(outcome)
@@ -136,6 +161,8 @@ contains
                          rate(s%joint_cycles/seconds)//' joint-cycles/s)')
          call print_line('   slowest cost  '//costs(s, seconds))
          call print_line('   history       '//outcome%history)
+         if (allocated(outcome%checkpoint)) call print_line('   checkpoint    '// &
+            outcome%checkpoint)
       end associate
    end subroutine print_summary
 

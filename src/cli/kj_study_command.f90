@@ -9,7 +9,8 @@ module kj_study_command
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_pair, json_findings
-   use kj_study, only: study_options_t, study_t, trial_t, watcher_t, run_study
+   use kj_study, only: study_options_t, watcher_t, run_study
+   use kj_study_table, only: study_t, trial_t
    use kj_study_report, only: print_study, study_json, study_csv, trial_name
    implicit none
    private
@@ -109,6 +110,7 @@ contains
       options%threads = options%run%threads       ! a run has one
       options%run%threads = 1
       if (.not. allocated(error)) call option_real(args, OPT_ERROR, tiny(1.0_wp), wanted, error)
+      options%wanted = wanted
       if (.not. allocated(error)) call option_list(args, OPT_SCALES, options%dt_scale, error)
       if (.not. allocated(error)) call option_list(args, OPT_STIFFNESS, options%kn_scale, error)
    end subroutine take_study_options

@@ -2,7 +2,7 @@
 module kj_study_report
    use kj_kinds, only: wp
    use kj_error, only: str
-   use kj_study, only: study_t, trial_t, best_trial, order_of
+   use kj_study_table, only: study_t, trial_t, best_trial, order_of
    use kj_study_metric, only: CLASSES, N_CLASS
    use kj_words, only: counted
    use kj_json_writer, only: json_member, json_pair
@@ -12,7 +12,8 @@ module kj_study_report
 
    public :: print_study, study_json, study_csv, trial_name, advice
 
-   character(len=7), parameter :: SCHEMES(4) = ['split2 ', 'liemid ', 'rkmk4  ', 'legacy ']
+   character(len=9), parameter :: SCHEMES(4) = [character(len=9) :: 'split2', 'liemid', 'rkmk4', &
+      'legacy']
 
 contains
 
@@ -32,9 +33,9 @@ contains
          counted(study%n_body, 'rigid body', 'rigid bodies'))
       call print_line('')
       call print_line(repeat(' ', 43)// &
-         'ns per  ---- error over the peak of the motion, root mean square -----   energy')
-      call print_line('scheme  dt-scale     Kn    cycles    cpu s   cycle  displac. '// &
-         'rotation velocity ang.vel.   force   moment     error     gap  order')
+         'ns per  - positions, rotations -  ------- of the steps alone --------    energy')
+      call print_line('scheme  dt-scale     Kn    cycles    cpu s   cycle    error '// &
+         '   steps   joints velocity ang.vel.   force   moment     error     gap  order')
       do i = 1, size(study%trial)
          if (i > 1) then
             if (trial_family(study%trial(i)) /= trial_family(study%trial(i - &
@@ -57,6 +58,11 @@ contains
       call print_line('reference: '//trial_name(study%reference)//', '// &
          str(study%reference%cycles)// &
          ' cycles of '//trim(buffer)//' on average')
+      call print_line(joints_text(study))
+      call print_line('error: over the peak of the motion, root mean square, against joints '// &
+         'that do not give way;')
+      call print_line('its parts: steps, against the finest steps at this Kn; joints, of these '// &
+         'against ideal joints')
       call print_line('ns per cycle: of a joint (of a body where there is no joint); gap: '// &
          'largest violation of a joint, length')
       call print_line('*: nothing is cheaper and at least as good; <--: the recommendation')
@@ -65,6 +71,26 @@ contains
       call print_line('')
       call print_line(advice(study, deck, wanted))
    end subroutine print_study
+
+   !> What is known of ideal joints
+   function joints_text(study) result(text)
+      type(study_t), intent(in) :: study
+      character(len=:), allocatable :: text
+
+      character(len=20) :: buffer
+
+      if (study%extrapolated) then
+         write (buffer, '(es8.1)') study%compliance
+         text = 'joints: at Kn they give way by an error of '//trim(adjustl(buffer))
+         write (buffer, '(es8.1)') study%doubt
+         text = text//' (from runs at Kn and 4 Kn; from 4 Kn and 16 Kn it differs by '// &
+            trim(adjustl(buffer))//')'
+      else if (max(study%reference%gap, study%reference%gap_rot) > 0.0_wp) then
+         text = 'joints: runs at 4 Kn and 16 Kn failed, so errors do NOT count that joints give way'
+      else
+         text = 'joints: none gives way'
+      end if
+   end function joints_text
 
    !> No other setting is cheaper and at least as good in positions and rotations
    pure logical function is_unbeaten(study, i) result(front)
@@ -106,9 +132,10 @@ contains
       end if
       associate (t => study%trial(best))
          text = text//'kjoint run '//deck//run_options(t)
-         write (buffer, '(a,es8.1,a,f0.3,a)') '  (error', t%score, ', ', t%time, ' s)'
-         if (t%time < 1.0_wp) write (buffer, '(a,es8.1,a,f5.3,a)') '  (error', t%score, ', ', &
-            t%time, ' s)'
+         write (buffer, '(3(a,es8.1),a,f0.3,a)') '  (error', t%score, ': steps', t%by_step, &
+            ', joints', t%by_joints, '; ', t%time, ' s)'
+         if (t%time < 1.0_wp) write (buffer, '(3(a,es8.1),a,f5.3,a)') '  (error', t%score, &
+            ': steps', t%by_step, ', joints', t%by_joints, '; ', t%time, ' s)'
          text = text//trim(buffer)
          if (t%by_deck) then
             write (buffer, '(es10.3)') t%step
@@ -129,6 +156,11 @@ contains
       else if (t%options%integrator /= 'split2') then
          text = text//' --integrator '//trim(t%options%integrator)
       end if
+      if (t%options%kn /= '') text = text//' --kn '//trim(t%options%kn)
+      if (t%options%error > 0.0_wp) then
+         text = text//' --error '//short(t%options%error)
+         return
+      end if
       if (.not. t%by_deck) text = text//' --dt-scale '//short(t%options%dt_scale)
       if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) &
          text = text//' --kn-scale '//short(t%options%kn_scale)
@@ -139,6 +171,10 @@ contains
       type(trial_t), intent(in) :: t
       character(len=:), allocatable :: text
 
+      if (t%options%error > 0.0_wp) then
+         text = trim(t%options%integrator)//', error '//short(t%options%error)
+         return
+      end if
       text = trim(t%options%integrator)//' '//short(t%options%dt_scale)
       if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) text = text//', Kn x '// &
          short(t%options%kn_scale)
@@ -161,6 +197,8 @@ contains
 
       text = t%options%integrator(:9)//short_column(t%options%dt_scale, 7)// &
          short_column(t%options%kn_scale, 7)
+      if (t%options%error > 0.0_wp) text = t%options%integrator(:9)// &
+         short_column(t%options%error, 7)//'    inf'
       if (.not. t%good) then
          text = text//'   failed'
          if (allocated(t%message)) text = text//': '//t%message
@@ -168,8 +206,9 @@ contains
       end if
       order = ''
       if (abs(t%order) > 0.0_wp) write (order, '(f6.2)') t%order
-      write (buffer, '(i10,f9.3,i8,6es9.1,es10.1,es8.1,a7)') t%cycles, t%time, &
-         nint(1.0e9_wp*t%per_cycle), t%error, t%energy, t%gap, order
+      write (buffer, '(i10,f9.3,i8,7es9.1,es10.1,es8.1,a7)') t%cycles, t%time, &
+         nint(1.0e9_wp*t%per_cycle), t%score, t%by_step, t%by_joints, t%error(3:), t%energy, &
+         t%gap, order
       text = trim(text//buffer)
    end function table_row
 
@@ -179,7 +218,11 @@ contains
       integer, intent(in) :: n
       character(len=n) :: text
 
-      text = adjustr(repeat(' ', max(0, n - len(short(x))))//short(x))
+      if (len(short(x)) < n) then
+         text = adjustr(repeat(' ', n - len(short(x)))//short(x))
+      else
+         write (text, '(es7.0)') x
+      end if
    end function short_column
 
    !> A number with as few digits as it needs, at most six
@@ -214,6 +257,9 @@ contains
       json = '{'//json_member('deck', deck)//', '//json_member('title', study%title)// &
          ', '//json_member('joints', study%n_joint)//', '//json_member('bodies', study%n_body)// &
          ', '//json_member('floor', study%floor)//','//EOL// &
+         json_member('extrapolated', study%extrapolated)//', '// &
+         json_member('error_of_joints', study%compliance)//', '// &
+         json_member('error_of_extrapolation', study%doubt)//','//EOL// &
          json_pair('reference', trial_json(study%reference, .false.))//','//EOL//'"settings": ['
       do i = 1, size(study%trial)
          if (i > 1) json = json//','
@@ -242,13 +288,16 @@ contains
          json_member('integrator', trim(t%options%integrator))//', '// &
          json_member('dt_scale', t%options%dt_scale)//', '// &
          json_member('kn_scale', t%options%kn_scale)//', '// &
+         json_member('ideal_joints', t%options%kn == 'inf')//', '// &
          json_member('good', t%good)
       if (allocated(t%message)) json = json//', '//json_member('message', t%message)
       if (t%good) then
          json = json//', '//json_member('cycles', t%cycles)//', '//json_member('step', t%step)// &
             ', '//json_member('cpu_s', t%time)//', '// &
             json_member('ns_per_joint_cycle', 1.0e9_wp*t%per_cycle)//', '// &
-            json_member('error', t%score)
+            json_member('error', t%score)//', '// &
+            json_member('error_of_steps', t%by_step)//', '// &
+            json_member('error_of_joints', t%by_joints)
          do i = 1, N_CLASS
             json = json//', '//json_member('error_'//trim(CLASSES(i)), t%error(i))
          end do
@@ -271,7 +320,7 @@ contains
       integer :: i, k
 
       csv = 'formulation,integrator,dt_scale,kn_scale,good,cycles,step,cpu_s,'// &
-         'ns_per_joint_cycle,error'
+         'ns_per_joint_cycle,error,error_of_steps,error_of_joints'
       do k = 1, N_CLASS
          csv = csv//',error_'//trim(CLASSES(k))
       end do
@@ -281,14 +330,13 @@ contains
             csv = csv//trim(t%options%formulation)//','//trim(t%options%integrator)//','// &
                short(t%options%dt_scale)//','//short(t%options%kn_scale)
             if (t%good) then
-               write (buffer, '(a,i0,14(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%time, &
-                  ',', &
-                  1.0e9_wp*t%per_cycle, ',', t%score, (',', t%error(k), k=1, N_CLASS), ',', &
-                     t%energy, &
-                  ',', t%gap, ',', t%gap_rot, ',', t%order
+               write (buffer, '(a,i0,16(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%time, &
+                  ',', 1.0e9_wp*t%per_cycle, ',', t%score, ',', t%by_step, ',', t%by_joints, &
+                  (',', t%error(k), k=1, N_CLASS), ',', t%energy, ',', t%gap, ',', t%gap_rot, &
+                  ',', t%order
                csv = csv//trim(buffer)//','//merge('1', '0', is_unbeaten(study, i))//EOL
             else
-               csv = csv//',0'//repeat(',', 10 + N_CLASS)//EOL
+               csv = csv//',0'//repeat(',', 12 + N_CLASS)//EOL
             end if
          end associate
       end do

@@ -6,7 +6,8 @@ module kj_trace_command
    use kj_joint_types, only: DOF_NAME, NDOF
    use kj_json_writer, only: json_member, json_pair, json_real, json_reals, json_text, comma
    use kj_option, only: arguments_t, OPT_TRACE, OPT_TRACE_CYCLES, OPT_JSON
-   use kj_progress, only: progress_t, end_progress
+   use kj_keeper, only: keeper_t
+   use kj_progress, only: end_progress
    use kj_terminal, only: print_line, print_error
    use kjoint, only: simulation_t, trace_simulation, trace_t, traced_lead_t, TRACE_NAME, &
       TRACE_JOINT, TRACE_SPRING, TRACE_BODY, TRACE_NODE
@@ -22,7 +23,7 @@ module kj_trace_command
       'locked  ', 'blocked ']
 
    !> Monitor that prints traced cycles on stdout, too
-   type, extends(progress_t) :: tracer_t
+   type, extends(keeper_t) :: tracer_t
       logical :: json = .false.                    !! a line of JSON each, else tables
       logical :: wanted = .false.
       logical :: seen = .false.

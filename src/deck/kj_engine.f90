@@ -36,8 +36,11 @@ module kj_engine
       logical :: has_dtix = .false.
       real(wp) :: dtix_ini = 0.0_wp             !! largest first step; 0 = no limit
       real(wp) :: dtix_max = 0.0_wp             !! largest step; 0 = no limit
-      logical :: has_stop = .false.
+      logical :: has_stop = .false., has_kill = .false., has_rfile = .false.
       real(wp) :: stop_energy = 0.0_wp          !! energy error that ends the run; 0 = none
+      logical :: stop_saves = .false.           !! /STOP: then the state is saved
+      logical :: checkpoint = .false.           !! /RFILE: it is saved at the end
+      integer :: checkpoint_cycles = 0          !! and every so many cycles; 0 = only then
    end type engine_t
 
 contains
@@ -186,9 +189,18 @@ contains
                'the first time step is larger than the largest one', &
                'expected: first step, largest step')
          end if
-      case ('STOP', 'KILL')
+      case ('STOP')
          second = engine%has_stop
-         if (.not. second) call take_stop(deck, header, last, engine)
+         engine%has_stop = .true.
+         if (.not. second) call take_stop(deck, header, last, .true., engine)
+      case ('KILL')
+         second = engine%has_kill
+         engine%has_kill = .true.
+         if (.not. second) call take_stop(deck, header, last, .false., engine)
+      case ('RFILE')
+         second = engine%has_rfile
+         engine%has_rfile = .true.
+         if (.not. second) call take_rfile(deck, words, header, last, engine)
       end select
       if (second) call report_line(deck, header, SEV_WARNING, 'KJ-9040', &
          '/'//trim(words%word(1))//' stands twice', 'the first one holds')
@@ -208,10 +220,6 @@ contains
       engine%run_number = word_integer(deck, header, words, 3, 0)
       if (engine%run_number <= 0) call report_line(deck, header, SEV_ERROR, 'KJ-E195', &
          'the run number is not positive', 'expected: /RUN/name/1')
-      if (engine%run_number > 1) call report_line(deck, header, SEV_ERROR, 'KJ-9066', &
-         'run '//str(engine%run_number)//' goes on from the restart file of the run before, '// &
-         'which is not supported', 'a second run', 'run the deck of run 1 up to the last end '// &
-         'time: kjoint run STARTER ENGINE --until T')
       call read_values(deck, header, last, 1, 1, value)
       call refuse_negative(deck, header, last, value(:1))
       engine%t_stop = round10(value(1))
@@ -310,21 +318,41 @@ contains
       end do
    end subroutine refuse_negative
 
-   !> /STOP and /KILL: the limit of the energy error; there is no added mass to limit
-   subroutine take_stop(deck, header, last, engine)
+   !> /STOP and /KILL: the limit of the energy error, as a fraction. There are no limits of mass.
+   subroutine take_stop(deck, header, last, saves, engine)
       type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: header, last
+      logical, intent(in) :: saves              !! the state, when the limit is passed
+      type(engine_t), intent(inout) :: engine
+
+      real(wp) :: value(6)                      ! the last three are of output that is not written
+
+      call read_values(deck, header, last, 1, 6, value)
+      call refuse_negative(deck, header, last, value(:1))
+      if (value(1) > 0.0_wp .and. (engine%stop_energy <= 0.0_wp .or. &
+         value(1) < engine%stop_energy)) then
+         engine%stop_energy = value(1)
+         engine%stop_saves = saves
+      end if
+      if (any(value(2:3) > 0.0_wp)) call report_line(deck, header, SEV_WARNING, 'KJ-9041', &
+         'the limits of mass do not act', 'not supported')
+   end subroutine take_stop
+
+   !> /RFILE: checkpoints; of the cycles between two, 0 is none but that at the end
+   subroutine take_rfile(deck, words, header, last, engine)
+      type(deck_t), intent(inout) :: deck
+      type(engine_line_t), intent(in) :: words
       integer, intent(in) :: header, last
       type(engine_t), intent(inout) :: engine
 
-      real(wp) :: value(3)
+      real(wp) :: value(1)
 
-      engine%has_stop = .true.
-      call read_values(deck, header, last, 1, 3, value)
-      engine%stop_energy = value(1)
-      call report_line(deck, header, SEV_WARNING, 'KJ-9041', &
-         'the limits of this keyword do not act', 'not supported', &
-         'limit the energy error with --energy-limit')
-   end subroutine take_stop
+      engine%checkpoint = words%word(2) /= 'OFF'
+      if (.not. engine%checkpoint) return
+      call read_values(deck, header, last, 1, 1, value)
+      call refuse_negative(deck, header, last, value)
+      engine%checkpoint_cycles = nint(min(value(1), 1.0e9_wp))
+   end subroutine take_rfile
 
    !> /TH/VERS/n needs n of at least 40
    subroutine check_th_version(deck, words, header)

@@ -30,7 +30,7 @@ module kj_engine_words
       engine_word_t('STOP',  ENGINE_READ, T, 'limits of energy and mass errors'), &
       engine_word_t('KILL',  ENGINE_READ, T, 'limits of energy and mass errors'), &
       engine_word_t('END',   ENGINE_READ, F, 'end of the deck'), &
-      engine_word_t('RFILE', ENGINE_NOTE, F, 'restart files of other solvers'), &
+      engine_word_t('RFILE', ENGINE_READ, T, 'checkpoints'), &
       engine_word_t('ATFIL', ENGINE_NOTE, F, 'history in a file A: not written'), &
       engine_word_t('BTFIL', ENGINE_NOTE, F, 'history in a file B: not written'), &
       engine_word_t('CTFIL', ENGINE_NOTE, F, 'history in a file C: not written'), &

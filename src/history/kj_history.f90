@@ -27,7 +27,7 @@ module kj_history
       ! joints and springs
       integer, allocatable :: type(:), property(:)
       integer, allocatable :: node(:, :), body(:, :)   !! (2, n) user ids of the ends, 0 = none
-      integer, allocatable :: skew(:)                  !! nodes: id of the axes of their components
+      integer, allocatable :: skew(:)                  !! id of the axes of a node's components
       !> (2, n) stiffness of the blocked translations and rotations; 0 = none, or not known before
       !> a run
       real(wp), allocatable :: blocking(:, :)

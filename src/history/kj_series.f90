@@ -21,7 +21,7 @@ module kj_series
    public :: series_t, find_series, series_value, series_unit, entity_name, channel_path, &
       component_name
 
-   integer, parameter, public :: NORM = 0        !! component: the length of the vector
+   integer, parameter, public :: NORM = 0        !! the length of the vector, as a component
 
    !> One number over time
    type :: series_t

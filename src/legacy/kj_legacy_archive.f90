@@ -78,6 +78,8 @@ contains
          call keep_gravity(self, state%field(i))
       end do
       call keep(self, state%motion_power)
+      call keep(self, state%load_abscissa)
+      call keep(self, state%load_turn)
       call keep(self, state%motion_turn)
       call keep(self, state%power)
       call keep(self, state%work)

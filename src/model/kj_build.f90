@@ -107,6 +107,11 @@ contains
          c%t_stop = engine%t_stop
          if (engine%has_tfile) c%sample = engine%th_dt
          if (engine%print_every /= 0) c%print_every = abs(engine%print_every)
+         c%run_number = engine%run_number
+         if (engine%stop_energy > 0.0_wp) c%stop_energy = engine%stop_energy
+         c%stop_saves = engine%stop_saves
+         c%checkpoint = engine%checkpoint
+         if (engine%checkpoint_cycles > 0) c%checkpoint_cycles = engine%checkpoint_cycles
          c%dt_factor = DEFAULT_FACTOR
          if (engine%has_dt) then
             if (engine%dt_fac > 0.0_wp) c%dt_factor = engine%dt_fac

@@ -88,6 +88,11 @@ module kj_model
       !> the step of TYPE45 joints alone, without nodal_step
       logical :: joint_step = .false.
       integer :: print_every = 100
+      integer :: run_number = 1                !! above 1 a run goes on from a saved state
+      real(wp) :: stop_energy = huge(1.0_wp)   !! energy error, as a fraction, that ends the run
+      logical :: stop_saves = .false.          !! its state is saved then
+      logical :: checkpoint = .false.          !! its state is saved at its end
+      integer :: checkpoint_cycles = huge(1)   !! and every so many cycles
       integer :: threads = 1
       integer :: least_share = 500             !! joints or leads that a thread needs to be worth it
    end type control_t

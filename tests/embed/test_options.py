@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Each option of the table reaches a run from C, Python and the command line (Fortran:
 unit/test_run_option.pf). usage: test_options.py [KJOINT]"""
-import ctypes
 import os
 import pathlib
 import subprocess
@@ -12,7 +11,7 @@ import unittest
 import numpy as np
 
 import kjoint
-from kjoint._library import LIB
+from kjoint._library import LIB, Handle
 
 PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
 DECK, ENGINE = (pathlib.Path(__file__).with_name(f"options_000{i}.rad") for i in range(2))
@@ -38,7 +37,7 @@ def over_python(**options):
 
 def over_c(**options):
     model = kjoint.Model.__new__(kjoint.Model)
-    model._handle = ctypes.c_void_p()
+    Handle.__init__(model)
     model._new(LIB.kj_model_load, os.fsencode(DECK), os.fsencode(ENGINE),
                text_of(options).encode())
     return model.run()
