@@ -63,6 +63,8 @@ contains
       call keep(self, pace%h_error)
       call keep(self, pace%h_turn)
       call keep(self, pace%h_bound)
+      call keep(self, pace%h_stop)
+      call keep(self, pace%limited)
       call keep(self, pace%limit)
       call keep(self, pace%owner)
       call keep(self, pace%span)
@@ -75,6 +77,7 @@ contains
       call keep(self, pace%failed)
       call keep(self, pace%passes)
       call keep(self, pace%halvings)
+      call keep(self, pace%rejected)
    end subroutine keep_pace
 
 end module kj_consistent_compliant_archive

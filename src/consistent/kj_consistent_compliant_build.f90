@@ -60,6 +60,15 @@ contains
          allocate (self%y(n, 3), self%turn(n, 3), self%wrench(9, model%n_element), &
             self%free(3, 3, 2, merge(n, 0, any(self%partly))), source=0.0_wp)
          call new_leads(model, state, self%start)
+         self%then%joint = state%joint
+         self%then%rows = self%joint
+         self%then%turn = state%turn
+         self%then%node = state%node
+         self%then%skew = state%skew
+         self%then%motion_at = state%motion_at
+         self%then%load_force = state%load_force
+         self%then%load_place = state%load_place
+         self%then%field = state%field
          self%size = size_of(model)
       end associate
    end subroutine new_compliant

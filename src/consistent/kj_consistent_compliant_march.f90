@@ -6,9 +6,12 @@ module kj_consistent_compliant_march
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound, has_moved
+   use kj_consistent_compliant_types, only: compliant_t
    use kj_consistent_compliant_step, only: compliant_step
    use kj_consistent_compliant_build, only: new_compliant
    use kj_consistent_compliant_start, only: start_velocities
+   use kj_consistent_compliant_stops, only: stop_step
+   use kj_consistent_compliant_undo, only: undo_step
    implicit none
    private
 
@@ -17,6 +20,7 @@ module kj_consistent_compliant_march
    integer, parameter :: LOOK = 4                !! steps between two looks at the error
    integer, parameter :: MOST_HALVINGS = 6
    integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
+   real(wp), parameter :: TOO_LARGE = 4.0_wp     !! error of a step over the allowed: taken back
    real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
    real(wp), parameter :: START_PART = 0.02_wp   !! of the run, the first steps at most
 
@@ -31,6 +35,8 @@ module kj_consistent_compliant_march
       real(wp) :: h_error = huge(1.0_wp)         !! step that the error allows
       real(wp) :: h_turn = huge(1.0_wp)          !! by the turn rule
       real(wp) :: h_bound = huge(1.0_wp)         !! by explicit springs
+      real(wp) :: h_stop = huge(1.0_wp)          !! by stops and friction
+      logical :: limited = .false.               !! there are some
       real(wp) :: limit = huge(1.0_wp)           !! least of them
       integer :: owner = 0                       !! joint that holds it, index among all
       real(wp) :: span = 0.0_wp                  !! time that the error is spread over
@@ -41,7 +47,7 @@ module kj_consistent_compliant_march
       integer :: since = 0                       !! steps since the last look
       real(wp) :: drift = 0.0_wp                 !! sum of error over h since then
       integer :: failed = 0                      !! halvings in a row
-      integer :: passes = 0, halvings = 0        !! of the run
+      integer :: passes = 0, halvings = 0, rejected = 0   !! of the run
       type(bound_t) :: bound
    end type pace_t
 
@@ -54,6 +60,7 @@ contains
       type(pace_t), intent(inout) :: self
 
       real(wp) :: loss, kinetic
+      logical :: late
 
       loss = 0.0_wp
       kinetic = 0.0_wp
@@ -67,6 +74,7 @@ contains
       self%span = model%control%t_stop - state%time
       if (.not. self%span > 0.0_wp) self%span = 1.0_wp
       self%h_error = START_PART*self%span
+      self%limited = any(model%batch%limited)
       call list_events(model, self)
       self%left = 0
       self%since = 0
@@ -79,6 +87,7 @@ contains
          state%compliant%kinetic = kinetic
       end if
       call take_limit(model, state, self)
+      if (self%limited) call look_at_stops(model, state, self, late)
    end subroutine start_pace
 
    !> Times at which something begins or ends
@@ -176,6 +185,12 @@ contains
             cycle
          end if
          self%failed = 0
+         if (is_wrong(model, state, self)) then
+            call undo_step(model, state)
+            self%rejected = self%rejected + 1
+            call divide(target, state, self)
+            cycle
+         end if
          self%left = self%left - 1
          if (self%left == 0) state%time = self%target
          call watch(model, state, self)
@@ -207,7 +222,7 @@ contains
 
       real(wp) :: limit, h
 
-      limit = self%limit
+      limit = min(self%limit, self%h_stop)
       if (state%cycle == 0) limit = min(limit, self%first)
       self%target = target
       self%left = max(1, ceiling(min((target - state%time)/limit, 1.0e9_wp) - 1.0e-6_wp))
@@ -216,29 +231,80 @@ contains
       if (abs(h - self%h) > 1.0e-12_wp*h) self%h = h
    end subroutine divide
 
+   !> Steps that stops and friction ask for; late: the last step met a stop and was too long
+   subroutine look_at_stops(model, state, self, late)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(pace_t), intent(inout) :: self
+      logical, intent(out) :: late
+
+      real(wp) :: before
+
+      before = self%h_stop
+      call stop_step(model, state, self%limit, self%h_stop, late)
+      if (self%left > 0 .and. (self%h_stop < self%h*(1.0_wp - 1.0e-9_wp) .or. &
+         self%h_stop > 1.2_wp*before)) call divide(self%target, state, self)
+   end subroutine look_at_stops
+
+   !> The step that was taken has a far too large error, or met a stop unawares: a shorter one is
+   !> wanted, and set
+   logical function is_wrong(model, state, self) result(wrong)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(pace_t), intent(inout) :: self
+
+      real(wp) :: e, allowed, step
+      logical :: late
+
+      wrong = .false.
+      associate (c => state%compliant)
+         if (c%jump > FREE_STEPS) then
+            e = error_of(c)
+            allowed = TOO_LARGE*self%tolerance/self%span*self%h
+            if (e > allowed) then
+               wrong = .true.
+               self%h_error = max(0.3_wp, 0.9_wp*sqrt(allowed/(TOO_LARGE*e)))*self%h
+               self%limit = min(self%limit, self%h_error)
+               self%since = 0
+               self%drift = 0.0_wp
+            end if
+         end if
+      end associate
+      if (wrong .or. .not. self%limited) return
+      call stop_step(model, state, self%h, step, late)
+      if (.not. late) return
+      wrong = .true.
+      self%h_stop = max(step, 0.25_wp*self%h)
+   end function is_wrong
+
+   !> Estimated error of the last step, of the size of the scene or in rad
+   pure real(wp) function error_of(c) result(e)
+      type(compliant_t), intent(in) :: c
+
+      e = c%e_turn
+      if (c%size > 0.0_wp) e = max(e, c%e_way/c%size)
+   end function error_of
+
    !> After a step: are the next ones as long?
    subroutine watch(model, state, self)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
       type(pace_t), intent(inout) :: self
 
-      real(wp) :: e, allowed, change, before
+      real(wp) :: allowed, change, before
+      logical :: late
 
-      associate (c => state%compliant)
-         e = c%e_turn
-         if (c%size > 0.0_wp) e = max(e, c%e_way/c%size)
-         if (c%jump <= FREE_STEPS) then
-            self%drift = 0.0_wp
-            return
-         end if
-      end associate
+      if (self%limited) call look_at_stops(model, state, self, late)
+      if (state%compliant%jump <= FREE_STEPS) then
+         self%drift = 0.0_wp
+         return
+      end if
       self%since = self%since + 1
-      self%drift = self%drift + e/self%h
+      self%drift = self%drift + error_of(state%compliant)/self%h
       allowed = self%tolerance/self%span
-      if (self%since < LOOK .and. e <= 4.0_wp*allowed*self%h) return
-      if (e > 4.0_wp*allowed*self%h) self%drift = self%since*e/self%h
+      if (self%since < LOOK) return
       before = self%limit
-      change = 0.9_wp*sqrt(allowed*self%since/max(self%drift, tiny(e)))
+      change = 0.9_wp*sqrt(allowed*self%since/max(self%drift, tiny(change)))
       change = max(0.3_wp, min(2.0_wp, change))
       if (change < 0.8_wp .or. change > 1.2_wp) self%h_error = &
          change*min(self%h, self%h_error)

@@ -76,6 +76,7 @@ contains
       integer :: b, at, k
 
       call open_leads(model, 0.0_wp, 1, model%n_lead, state)
+      state%poses%v = state%v
       state%poses%psi = 0.0_wp
       state%poses%h = 0.0_wp
       call place_nodes(model, state)

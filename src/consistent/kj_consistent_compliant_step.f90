@@ -20,6 +20,7 @@ module kj_consistent_compliant_step
    use kj_consistent_compliant_matrix, only: assemble, solve_rows
    use kj_consistent_compliant_forces, only: see_joints, spring_forces, damper_rows, add_rests, &
       put_forces, close_rows, renew_locks, ALL_DOFS
+   use kj_consistent_compliant_undo, only: keep_leads, restore_leads, keep_rest
    implicit none
    private
 
@@ -43,13 +44,14 @@ contains
       real(wp) :: mean(size(model%motion)), final(size(model%motion))
       logical :: active(size(model%motion)), changed
 
+      call keep_rest(model, state)
       state%h = h
       call renew_locks(model, state, state%compliant, changed)
       if (changed) call put_locks(state%compliant)
       call motion_targets(model, state, h, mean, final, active)
       call position_stage(model, h, mean, active, state, good)
       if (.not. good) then
-         call restore(model, state)
+         call restore_leads(state)
          return
       end if
       call reach_motions(model, h, mean, final, active, state)
@@ -102,7 +104,7 @@ contains
       logical :: settled
       integer :: pass
 
-      call keep(model, state)
+      call keep_leads(state)
       associate (self => state%compliant)
          call prepare(model, h, active, state, self, good)
          if (.not. good) return
@@ -110,7 +112,7 @@ contains
          last = huge(last)
          scale = max(self%size, tiny(scale))
          do pass = 0, MOST_PASSES
-            if (pass > 0) call restore(model, state)
+            if (pass > 0) call restore_leads(state)
             call put_forces(model, .true., self, state)
             call move_leads(model, .false., h, mean, active, 1, model%n_lead, state)
             call see_joints(model, state, self)
@@ -365,46 +367,6 @@ contains
       self%turn = 0.0_wp
    end subroutine estimate_error
 
-   !> Remember the leads at the start of a step
-   subroutine keep(model, state)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(inout) :: state
-
-      associate (then => state%compliant%start, n => model%n_lead)
-         then%x(:n, :) = state%poses%x
-         then%d(:n, :) = state%poses%d
-         then%quat(:n, :) = state%poses%quat
-         then%v(:n, :) = state%v
-         then%l(:n, :) = state%l
-         then%f(:n, :) = state%f
-         then%t(:n, :) = state%t
-         then%own_f(:, :) = state%own_f
-         then%own_t(:, :) = state%own_t
-         then%impulse(:, :) = state%impulse
-         then%angular_impulse(:, :) = state%angular_impulse
-      end associate
-   end subroutine keep
-
-   !> Bring them back
-   subroutine restore(model, state)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(inout) :: state
-
-      associate (then => state%compliant%start, n => model%n_lead)
-         state%poses%x(:n, :) = then%x
-         state%poses%d(:n, :) = then%d
-         state%poses%quat(:n, :) = then%quat
-         state%v(:n, :) = then%v
-         state%l(:n, :) = then%l
-         state%f(:n, :) = then%f
-         state%t(:n, :) = then%t
-         state%own_f(:, :) = then%own_f
-         state%own_t(:, :) = then%own_t
-         state%impulse(:, :) = then%impulse
-         state%angular_impulse(:, :) = then%angular_impulse
-      end associate
-   end subroutine restore
-
    !> Multipliers f of the step that would follow, for the forces of the present time; the state
    !> stays
    subroutine look_ahead(model, h, state)
@@ -418,7 +380,7 @@ contains
       if (state%compliant%known == state%cycle) return
       call motion_targets(model, state, h, mean, final, active)
       call position_stage(model, h, mean, active, state, good)
-      call restore(model, state)
+      call restore_leads(state)
       if (.not. good) return
       state%compliant%known = state%cycle
       state%compliant%h_known = h

@@ -4,11 +4,12 @@
 module kj_consistent_compliant_types
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: matrix_t
+   use kj_consistent_batch, only: matrix_t, consistent_joint_t
+   use kj_gravity, only: gravity_t
    implicit none
    private
 
-   public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, leads_then_t, &
+   public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, leads_then_t, then_t, &
       compliant_t, coefficients_t
 
    !> A block of joints. Rows that are not implicit have weight 0.
@@ -77,6 +78,17 @@ module kj_consistent_compliant_types
       real(wp), allocatable :: v_half(:, :), w_half(:, :), l_half(:, :)
    end type leads_then_t
 
+   !> What else a step changes, as it was at its start
+   type :: then_t
+      integer :: cycle = 0, jump = 0
+      real(wp) :: time = 0.0_wp, work = 0.0_wp, h_last = 0.0_wp
+      type(consistent_joint_t), allocatable :: joint(:)
+      type(compliant_joint_t), allocatable :: rows(:)
+      real(wp), allocatable :: turn(:, :), node(:, :), skew(:, :), motion_at(:)
+      real(wp), allocatable :: load_force(:, :), load_place(:, :)
+      type(gravity_t), allocatable :: field(:)
+   end type then_t
+
    !> All of it
    type :: compliant_t
       logical :: rigid = .false.                 !! Kn = infinity
@@ -84,6 +96,7 @@ module kj_consistent_compliant_types
       type(pattern_t) :: pattern
       type(factor_t) :: factor
       type(leads_then_t) :: start
+      type(then_t) :: then
       real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities
       real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element) of constraints
       logical, allocatable :: rowed(:)           !! (batches) some rows are implicit or have dampers

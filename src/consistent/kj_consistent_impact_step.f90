@@ -27,7 +27,7 @@ module kj_consistent_impact_step
    implicit none
    private
 
-   public :: contact_t, step_factor, watch_stops
+   public :: contact_t, step_factor, watch_stops, stop_frequency, windup_step
 
    real(wp), parameter :: FINE = 0.05_wp         !! w h while a stop is met: 6e-4 of the energy
    real(wp), parameter :: LASTS = 8.0_wp         !! of 1/w; an impact takes pi to 2 pi of it
