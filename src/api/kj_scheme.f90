@@ -37,6 +37,7 @@ module kj_scheme
    public :: load_body, move_body, put_body, lock_place
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
+   real(wp), parameter :: LOST = 1.0e-6_wp      !! of the kinetic energy at the start, to warn of
    integer, parameter :: LOOK_WORK = 20000      !! joint-cycles between two looks of the monitor
    integer, parameter :: LEAST_LOOK = 8         !! cycles: each look takes a part of one
    real(wp), parameter :: NEAR = 1.0e-9_wp      !! of an interval: as good as there
@@ -492,13 +493,32 @@ contains
 
       if (self%legacy) then
          call warn_costs(model, self%cycles, findings)
-      else if (self%now%loosest > LOOSE) then
+         return
+      end if
+      call warn_of_loss(self, findings)
+      if (self%now%loosest > LOOSE) then
          write (buffer, '(es8.1)') self%now%loosest
          call note(findings, SEV_WARNING, 'KJ-9216', 'the frame of joint '// &
             str(model%joint(self%now%loosest_joint)%id)// &
             ' lost its orthogonality by up to '//trim(adjustl(buffer))//' rad')
       end if
    end subroutine warn_after
+
+   !> Velocities at the start that the joints do not allow, under compliant
+   subroutine warn_of_loss(self, findings)
+      type(scheme_t), intent(in) :: self
+      type(finding_list_t), intent(inout) :: findings
+
+      character(len=40) :: text
+
+      if (.not. allocated(self%state%compliant)) return
+      associate (c => self%state%compliant)
+         if (.not. c%loss > LOST*c%kinetic) return
+         write (text, '(g0.4, a, g0.4)') c%loss, ' of ', c%kinetic
+      end associate
+      call note(findings, SEV_WARNING, 'KJ-9047', 'velocities at the start do not fit the '// &
+         'joints: of the kinetic energy '//trim(text)//' was lost')
+   end subroutine warn_of_loss
 
    !> Force and moment of the host on a body, W, until they are set anew
    subroutine load_body(b, force, moment, model, self)

@@ -129,6 +129,10 @@ module kj_message_joint
       'Steps change at every stop, which shakes blocked directions that ring. Where some Cr '// &
       'is below 0.01 steps are half of the critical one at most.', &
       'Leave --dt-scale out, or give a larger Cr.'), &
+   message_t('KJ-9047', SEV_WARNING, 'velocities at the start do not fit the joints', &
+      'The integrator compliant brings the velocities at t = 0 to what the joints '// &
+      'allow, as an impact would. The energy that this takes is lost.', &
+      'Give velocities that the joints allow; split2 rings instead, and loses about as much.'), &
    message_t('KJ-9073', SEV_WARNING, 'both ends of a joint on one rigid body', &
       'A body is rigid in itself: such a joint does nothing, and what it was to hold is loose.', &
       'Use a node of the other body; a wrong pick in a preprocessor is the usual cause.'), &

@@ -81,7 +81,9 @@ contains
       self%drift = 0.0_wp
       self%failed = 0
       call take_limit(model, state, self)
-      call start_velocities(model, min(self%limit, self%first, model%control%sample), state)
+      self%h = min(self%limit, self%first, self%span)
+      if (model%control%sample > 0.0_wp) self%h = min(self%h, model%control%sample)
+      call start_velocities(model, self%h, state)
       if (state%cycle > 0) then
          state%compliant%loss = loss
          state%compliant%kinetic = kinetic

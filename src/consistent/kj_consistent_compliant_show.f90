@@ -44,6 +44,7 @@ contains
                      where (rows%weight(:n, k) > 0.0_wp) lanes%fd(:n, k) = before*rows%g(:n, k) + &
                         after*rows%f(:n, k)
                   end do
+                  rows%force(:n, :) = merge(lanes%fd(:n, :), 0.0_wp, rows%weight(:n, :) > 0.0_wp)
                   call wrench_of_rows(n, lanes%fd, lanes%b, &
                      self%wrench(:, model%batch(b)%first + from:))
                end associate

@@ -29,6 +29,7 @@ module kj_consistent_compliant_step
    integer, parameter :: MOST_PASSES = 8
    integer, parameter :: RENEW = 8               !! steps between two looks at the stiffness bound
    real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step, and of the forces
+   real(wp), parameter :: LAST_BITS = 16.0_wp*epsilon(1.0_wp)   !! of coordinates: noise of forces
    real(wp), parameter :: ROUNDING = 1.0e-12_wp  !! of the size of the scene, of a turn
 
 contains
@@ -127,7 +128,8 @@ contains
             call solve_rows(model, state, .false., self)
             call correct_all(model, state, self, change, force)
             force(1) = max(force(1), force(2)/scale)
-            settled = max(change(1), change(2)/scale) <= CLOSE*force(1)
+            settled = change(1) <= CLOSE*force(1) + LAST_BITS*scale*self%stiffest(1) .and. &
+               change(2) <= scale*CLOSE*force(1) + LAST_BITS*self%stiffest(2)
          end do
          call find_worst(model, self)
       end associate
@@ -149,6 +151,7 @@ contains
       look = self%renewed >= RENEW .or. self%jump == 0
       anew = look .or. abs(h - self%h_factor) > 0.0_wp
       if (anew) call inverse_inertias(model, state%poses%quat, 1, model%n_lead, state%poses%ij)
+      if (anew) self%stiffest = 0.0_wp
       ratio = 0.0_wp
       if (self%jump >= 2) ratio = h/self%h_last
       do b = 1, size(model%batch)
@@ -170,6 +173,8 @@ contains
                   call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
                   call bound_stiffness(n, h, self%rigid, s, rows)
                   call weigh_rows(n, h, self%rigid, rows)
+                  self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
+                  self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
                end if
                if (self%known /= state%cycle) call extrapolate(n, ratio, rows)
             end associate

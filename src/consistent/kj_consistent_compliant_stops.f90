@@ -16,7 +16,7 @@ module kj_consistent_compliant_stops
 
    real(wp), parameter :: FINE = 0.05_wp         !! w h while a stop acts: 6e-4 of the energy
    real(wp), parameter :: APPROACH = 4.0_wp      !! steps to a stop at the rate there is
-   real(wp), parameter :: UNAWARE = 4.0_wp          !! w h over FINE of a step that met a stop unawares
+   real(wp), parameter :: UNAWARE = 4.0_wp   !! w h over FINE of a step that met a stop
 
 contains
 

@@ -26,6 +26,7 @@ module kj_consistent_compliant_types
       real(wp) :: f_last(BLOCK, 6) = 0.0_wp      !! that of the last step
       real(wp) :: f_before(BLOCK, 6) = 0.0_wp    !! that of the step before
       real(wp) :: g(BLOCK, 6) = 0.0_wp           !! multipliers of the velocity stage
+      real(wp) :: force(BLOCK, 6) = 0.0_wp       !! of implicit rows at the last time shown
       real(wp) :: rest(BLOCK, 6) = 0.0_wp        !! forces of dampers beside their rows
       real(wp) :: r(BLOCK, 6) = 0.0_wp           !! work space: residual, right-hand side
       real(wp) :: q0(BLOCK, 6) = 0.0_wp          !! what a locked coordinate counts from
@@ -115,6 +116,7 @@ module kj_consistent_compliant_types
       integer :: renewed = 0                     !! steps since stiffness was bounded
       integer :: jump = 0                        !! steps since a start or jump
       real(wp) :: size = 0.0_wp                  !! of the scene
+      real(wp) :: stiffest(2) = 0.0_wp           !! largest 1/kappa, translations and rotations
       real(wp) :: e_way = 0.0_wp, e_turn = 0.0_wp   !! estimated error of the last step
       integer :: passes = 0                      !! of the last step
       integer :: joint_worst = 0                 !! that did not converge, index among all

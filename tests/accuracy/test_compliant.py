@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""The integrator compliant: errors, order, energy, redundant rows, extremes of Kn and mass.
+
+usage: test_compliant.py KJOINT [NAME of one test]
+
+Limits are 1.5 times what the prototype of the scheme measured, where it ran the scene; errors are
+against the reference of a benchmark, or against the same scene in far smaller steps. Steps are those
+of the samples where --error and --turn are lifted (FIXED).
+"""
+import csv
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+import compliant_scenes as scenes
+
+PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "kjoint"
+BENCHMARKS = pathlib.Path(__file__).parents[1] / "benchmarks"
+FIXED = ("--error", "1e3", "--turn", "1e3")
+INF = ("--kn", "inf")
+FOLDER = tempfile.TemporaryDirectory()
+
+
+def datasets(group, path=""):
+    for name, item in group.items():
+        if isinstance(item, h5py.Dataset):
+            yield path + name, item[()]
+        else:
+            yield from datasets(item, f"{path}{name}/")
+
+
+class Run:
+    """A history, by channel; `text` is what the program said"""
+
+    def __init__(self, deck, *options, fails=False, integrator="compliant"):
+        out = pathlib.Path(FOLDER.name) / "run.h5"
+        done = subprocess.run([PROGRAM, "run", *deck, "--integrator", integrator, "-o", out, *map(str, options)],
+                              capture_output=True, text=True, check=False)
+        self.text, self.status = done.stdout + done.stderr, done.returncode
+        if done.returncode and not fails:
+            raise AssertionError(self.text)
+        with h5py.File(out) as file:
+            self.values = dict(datasets(file))
+        found = re.search(r"cycles +(\d+)", self.text)
+        self.cycles = int(found[1]) if found else 0
+
+    def __getitem__(self, name):
+        return self.values[name]
+
+    def finite(self):
+        return all(np.isfinite(v).all() for v in map(np.asarray, self.values.values())
+                   if v.dtype.kind == "f")
+
+
+def benchmark(name, *options):
+    """Run of a benchmark and its largest errors by kind of column"""
+    folder = BENCHMARKS / name
+    run = Run(sorted(folder.glob("*_000?.rad")), *options)
+    with open(folder / "reference.csv", newline="") as stream:
+        rows = list(csv.reader(stream))
+    data = np.array(rows[1:], float)
+    at = np.searchsorted(data[:, 0], run["time"] - 1e-9)
+    met = (at < len(data)) & (np.abs(data[np.minimum(at, len(data) - 1), 0] - run["time"]) < 1e-9)
+    error = {}
+    for k, head in enumerate(rows[0]):
+        parts = head.split("/")
+        if parts[0] not in ("node", "rbody", "joint"):
+            continue
+        kind = {"": "position", "v": "velocity", "w": "angular_velocity", "l": "displacement",
+                "r": "rotation"}[parts[2][:-1]]
+        group, entity = {"node": ("node", "node"), "rbody": ("rigid_body", "body"), "joint": ("joint", "joint")}[parts[0]]
+        row = list(run[f"{group}/{entity}"]).index(int(parts[1]))
+        found = run[f"{group}/{kind}"][met, row, "xyz".index(parts[2][-1])]
+        worst = np.abs(found - data[at[met], k]).max()
+        error[kind] = max(error.get(kind, 0.0), worst)
+    return run, error
+
+
+def scene(build, until, sample, *options, **more):
+    root = pathlib.Path(FOLDER.name) / "scene"
+    build.write(root, until, sample)
+    return Run([f"{root}_0000.rad", f"{root}_0001.rad"], *options, **more)
+
+
+def position(run):
+    return run["rigid_body/position"]
+
+
+def apart(a, b, channel="rigid_body/position"):
+    """Largest difference where both have samples"""
+    step = (len(b["time"]) - 1) // (len(a["time"]) - 1)
+    return np.abs(a[channel] - b[channel][::step]).max()
+
+
+class Benchmarks(unittest.TestCase):
+    def below(self, name, options, **limits):
+        _, error = benchmark(name, *options)
+        for kind, limit in limits.items():
+            self.assertLess(error[kind], limit, f"{name}: {kind}")
+
+    def test_slider_crank(self):
+        self.below("SLCR01", (*INF, *FIXED, "--sample", 0.01), position=2.1e-3)
+        self.below("SLCR01", (*INF, *FIXED, "--sample", 0.002), position=8.2e-5)
+        self.below("SLCR01", (*FIXED, "--sample", 0.004), position=2.5e-4)
+
+    def test_slider_crank_is_second_order(self):
+        error = [benchmark("SLCR01", *INF, *FIXED, "--sample", h)[1]["position"] for h in (0.004, 0.002)]
+        self.assertAlmostEqual(np.log2(error[0] / error[1]), 2.0, delta=0.1)
+
+    def test_heavy_top(self):
+        self.below("HTOP01", (*INF, *FIXED, "--sample", 0.001), position=6.8e-4, angular_velocity=0.1)
+
+    def test_cardan(self):
+        self.below("CARD01", (*FIXED, "--sample", 0.01), position=4.5e-9)
+
+    def test_momentum(self):
+        run, _ = benchmark("RIGI01", *INF, *FIXED, "--sample", 0.01)
+        for kind in ("momentum", "angular_momentum"):
+            p = np.stack([run[f"{kind}_{x}"] for x in "xyz"], axis=1)
+            self.assertLess(np.linalg.norm(p - p[0], axis=1).max() / np.linalg.norm(p[0]), 2e-14, kind)
+
+    def test_error_option_keeps_its_word(self):
+        _, error = benchmark("SLCR01", *INF, "--sample", 0.05)
+        self.assertLess(error["position"], 1e-3 * 0.55)
+        run, error = benchmark("HTOP01", *INF, "--sample", 0.05)
+        self.assertLess(error["position"], 1e-3)
+
+    def test_cost_for_the_error(self):
+        """Steps of the prototype at 1e-3 and 20 samples, for inf: 265; 300 allowed"""
+        run, _ = benchmark("SLCR01", *INF, "--sample", 0.05)
+        self.assertLess(run.cycles, 300)
+
+    def test_reactions_have_no_start_up_ringing(self):
+        """Against a run in tenths of the steps: forces at t, from the first row on"""
+        rough, _ = benchmark("SLCR01", *INF, *FIXED, "--sample", 0.004)
+        fine, _ = benchmark("SLCR01", *INF, *FIXED, "--sample", 0.0004)
+        force = fine["joint/force"][::10]
+        rms = np.sqrt(((rough["joint/force"] - force)**2).mean()) / np.abs(force).max()
+        self.assertLess(rms, 3.5e-4)
+
+
+class Mechanisms(unittest.TestCase):
+    def test_bricard(self):
+        fine = scene(scenes.bricard(), 1.0, 0.01, *INF, *FIXED, "--dt-max-scale", 1, "--sample", 1/3200)
+        inf = scene(scenes.bricard(), 1.0, 0.01, *INF, *FIXED)
+        deck = scene(scenes.bricard(), 1.0, 0.01, *FIXED)
+        for run in (inf, deck):
+            self.assertLess(apart(run, fine), 5.3e-5)
+            self.assertLess(apart(run, fine, "rigid_body/velocity"), 1e-4)
+        force = inf["joint/force"]
+        self.assertLess(np.abs(force - deck["joint/force"]).max(), 0.1 * np.abs(force).max())
+
+    def test_kn_of_any_size(self):
+        gaps, places = [], []
+        for scale in (1.0, 1e2, 1e4, 1e6):
+            run = scene(scenes.bricard(), 1.0, 0.01, *FIXED, "--kn-scale", scale)
+            gaps.append(np.abs(run["joint/displacement"]).max() * scale)
+            places.append(position(run))
+        places.append(position(scene(scenes.bricard(), 1.0, 0.01, *INF, *FIXED)))
+        for place in places[2:]:
+            self.assertLess(np.abs(place - places[1]).max(), 1e-6)
+        self.assertLess(max(gaps[:2]) / min(gaps[:2]), 1.05)     # beyond, the step does not see Kn
+
+    def test_four_bars(self):
+        fine = scene(scenes.four_bars(), 0.7, 0.01, *INF, *FIXED, "--sample", 0.7/2240)
+        run = scene(scenes.four_bars(), 0.7, 0.01, *INF, *FIXED)
+        self.assertLess(apart(run, fine), 1.8e-4)
+        self.assertLess(apart(run, fine, "joint/rotation"), 2.0e-4)
+
+    def test_heavy_last_link(self):
+        fine = scene(scenes.four_bars(last=1e4), 0.6, 0.005, *INF, *FIXED, "--sample", 0.6/1920)
+        run = scene(scenes.four_bars(last=1e4), 0.6, 0.005, *INF, *FIXED)
+        self.assertLess(apart(run, fine), 1.8e-4)
+        self.assertTrue(run.finite())
+
+    def test_singular_positions(self):
+        """Ten seconds through the positions in which all bars lie on a line: no NaN, energy kept"""
+        run = scene(scenes.four_bars(), 10.0, 0.01, *FIXED)
+        energy = run["kinetic_energy_trans"] + run["kinetic_energy_rot"] + run["internal_energy"] + run["potential_energy"]
+        self.assertLess(np.abs(energy - energy[0]).max(), 5e-3 * run["kinetic_energy_trans"].max())
+
+    def test_chain(self):
+        fine = scene(scenes.chain(50), 0.3, 0.003, *INF, *FIXED, "--sample", 0.3/3200)
+        run = scene(scenes.chain(50), 0.3, 0.003, *INF, *FIXED)
+        self.assertLess(apart(run, fine), 8.5e-5)
+
+    def test_a_hub_with_many_arms(self):
+        """Arms on one body do not couple: each moves as if it were alone"""
+        alone = scene(scenes.chain(3), 0.3, 0.01, *INF, *FIXED)
+        many = scene(scenes.chain(60, hubs=20), 0.3, 0.01, *INF, *FIXED)
+        place = position(many)[:, 1:].reshape(31, 20, 3, 3) - np.array([0, 1, 0]) * np.arange(20)[None, :, None, None]
+        self.assertLess(np.abs(place - position(alone)[:, None, 1:]).max(), 1e-9)
+
+    def test_start_that_does_not_fit(self):
+        """Velocities that the joints do not allow: their energy is lost at once and told"""
+        build = scenes.four_bars()
+        build.rod((0, 0, 1), (1, 0, 1), velocity=(0, 0.5, 0))
+        bad = scenes.Scene(1e7)
+        ground = bad.body((0, 0, 0), 1, (1, 1, 1), held=True)
+        rod = bad.rod((0, 0, 0), (1, 0, 0), velocity=(0, 1, 0))
+        bad.join(scenes.REVOLUTE, ground, rod, (0, 0, 0), (0, 0, 1))
+        run = scene(bad, 0.1, 0.01, *INF)
+        # v = 1, w = 0: momentum about the hinge m v l/2 = J w, J = m l^2/3: 0.375 J of 0.5 J stay
+        kinetic = (run["kinetic_energy_trans"] + run["kinetic_energy_rot"])[0]
+        self.assertAlmostEqual(kinetic, 0.375, delta=1e-3)
+        self.assertIn("KJ-9047", run.text)
+
+    def test_all_kn_are_finite_or_an_error(self):
+        for kn in (("--kn-scale", 1e-3), ("--kn-scale", 1.0), ("--kn-scale", 1e5), INF):
+            run = scene(scenes.slider_crank(), 1.0, 0.1, *FIXED, *kn, fails=True)
+            self.assertTrue(run.finite())
+
+    def test_energy_has_no_trend(self):
+        """100 s of a pendulum on a hinge: balance of kinetic energy, work on the joint and potential"""
+        run, _ = benchmark("IFA01", *INF, *FIXED, "--sample", 0.02, "--until", 100)
+        kinetic = run["kinetic_energy_trans"] + run["kinetic_energy_rot"]
+        s = (kinetic + run["internal_energy"] + run["potential_energy"]) / kinetic.max()
+        tenth = len(s) // 10
+        self.assertLess(abs(s[:tenth].mean() - s[-tenth:].mean()), 2e-5)
+        self.assertLess(s.max() - s.min(), 2e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()
