@@ -17,6 +17,12 @@ if(KJOINT_C)
     FILES_MATCHING PATTERN "*.py")
 endif()
 
+# ---- the wheel (pyproject.toml): beside the Python package, found by it
+if(SKBUILD)
+  install(TARGETS kjoint_cli RUNTIME DESTINATION kjoint/bin COMPONENT wheel)
+  install(FILES $<TARGET_FILE:kjoint_c> RENAME libkjoint_c.so DESTINATION kjoint/lib COMPONENT wheel)
+endif()
+
 configure_package_config_file(cmake/kjoint-config.cmake.in kjoint-config.cmake
   INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(kjoint-config-version.cmake COMPATIBILITY SameMinorVersion)

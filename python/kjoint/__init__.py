@@ -14,4 +14,6 @@ from .joints import Joints
 from .mechanism import Mechanism
 from .model import Model
 
+__version__ = version()
+
 __all__ = ["Error", "Joints", "Mechanism", "Model", "options", "version"]

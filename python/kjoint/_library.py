@@ -53,6 +53,7 @@ TICK = ct.CFUNCTYPE(INT, ct.POINTER(Status), ct.c_void_p)
 def _find():
     folder = pathlib.Path(__file__).resolve().parent
     names = [os.environ.get("KJOINT_LIBRARY")]
+    names += [str(folder/"lib"/"libkjoint_c.so")]              # of the wheel
     names += [str(parent / "libkjoint_c.so") for parent in list(folder.parents)[2:4]]
     names += [ctypes.util.find_library("kjoint_c"), "libkjoint_c.so"]
     for name in filter(None, names):
