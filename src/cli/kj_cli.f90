@@ -4,8 +4,10 @@ module kj_cli
    use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_version, only: KJOINT_VERSION
    use kj_info, only: describe_history
+   use kj_new_command, only: new_command
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
-      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_HELP, CMD_VERSION, OPT_JSON
+      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, &
+      OPT_JSON
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -54,6 +56,8 @@ contains
             if (.not. allocated(error)) call print_text(text)
          case (CMD_LIST)
             call print_table(args%operand(1)%s, error)
+         case (CMD_NEW)
+            call new_command(args, error)
          case (CMD_HELP)
             if (args%n_operand == 0) call print_help()
             if (args%n_operand == 1) call print_help_on(args%operand(1)%s, error)

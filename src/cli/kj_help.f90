@@ -1,7 +1,9 @@
-!> `kjoint help`: the program, one command, or one message explained.
+!> `kjoint help`: the program, one command, the cards of a keyword, or one message explained.
 module kj_help
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_version, only: KJOINT_VERSION
+   use kj_keywords, only: nearest_keyword
+   use kj_card_page, only: find_keyword_page, print_keyword_page
    use kj_message, only: messages, find_message
    use kj_option, only: commands, option_t, option, has_option, did_you_mean, N_OPTION
    use kj_terminal, only: print_line
@@ -33,7 +35,7 @@ contains
       call print_line('4 internal; 130, 143 stopped by a signal. `kjoint help COMMAND` says more.')
    end subroutine print_help
 
-   !> One command, or one message by its id
+   !> One command, one keyword, or one message by its id
    !>
    !> Errors: ERR_INPUT when there is neither
    subroutine print_help_on(topic, error)
@@ -53,7 +55,18 @@ contains
          end if
          return
       end do
-      call print_message(topic, error)
+      i = 0
+      if (index(topic, '/') == 1) i = find_keyword_page(topic)
+      if (i > 0) then
+         call print_keyword_page(i)
+      else if (index(topic, '/') == 1) then
+         call fail(error, ERR_INPUT, 'there is no keyword "'//topic//'"')
+         error%hint = trim(nearest_keyword(topic))
+         if (len(error%hint) > 0) error%hint = 'did you mean '//error%hint//'?'
+         if (len(error%hint) == 0) error%hint = '`kjoint list keywords` has all'
+      else
+         call print_message(topic, error)
+      end if
    end subroutine print_help_on
 
    subroutine print_options(command)

@@ -16,7 +16,8 @@ module kj_option
       option_real, option_list, did_you_mean
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
-      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_INFO = 7, CMD_LIST = 8, CMD_HELP = 9, CMD_VERSION = 10
+      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_INFO = 7, CMD_LIST = 8, CMD_NEW = 9, CMD_HELP = 10, &
+      CMD_VERSION = 11
 
    integer, parameter :: MANY = huge(1)         !! operands
 
@@ -47,8 +48,10 @@ module kj_option
                 'what is in a history or T01: worst joints, channels, energies'), &
       command_t(CMD_LIST,    'list',      'joints|keywords|channels',           1, 1, &
                 'print a table: joint types, deck keywords or output channels'), &
-      command_t(CMD_HELP,    'help',      '[COMMAND|KJ-nnnn]',                  0, 1, &
-                'this help, the options of a command, or a message explained'), &
+      command_t(CMD_NEW,     'new',       '[KIND]',                             0, 1, &
+                'write a commented deck to begin with; alone: which there are'), &
+      command_t(CMD_HELP,    'help',      '[COMMAND|/KEYWORD|KJ-nnnn]',         0, 1, &
+                'this help, a command, the cards of a keyword, a message explained'), &
       command_t(CMD_VERSION, '--version', '',                                   0, 0, &
                 'print the version')]
 
@@ -419,7 +422,7 @@ contains
          args%n_operand = args%n_operand + 1
       end if
       if (args%n_operand >= max(1, commands(args%command)%least)) return
-      if (any(args%command == [CMD_HELP, CMD_VERSION]) .or. args%given(OPT_RESTART)) return
+      if (any(args%command == [CMD_NEW, CMD_HELP, CMD_VERSION]) .or. args%given(OPT_RESTART)) return
       call fail(error, ERR_INPUT, '`'//trim(commands(args%command)%name)//'` needs more operands')
       error%hint = usage(args%command)
    end subroutine check_operands

@@ -477,6 +477,52 @@ class Streams(Program):
             self.assertIn("File too large", done.stderr)
 
 
+class Learn(Program):
+    """`kjoint help /KEYWORD` and `kjoint new`."""
+
+    def test_every_keyword_that_is_read_has_a_page(self):
+        rows = [line.split() for line in self.kjoint("list", "keywords").stdout.splitlines()[1:]]
+        read = [row[0] for row in rows if row[1] == "read"]
+        self.assertGreater(len(read), 60)
+        for name in read:
+            page = self.kjoint("help", name).stdout
+            self.assertTrue(page.startswith(name + ": "), name)
+            self.assertIn("\n" + name, page)              # the header of a block
+        grav = self.kjoint("help", "/grav").stdout
+        self.assertRegex(grav, r"1 +11-20 +dir +direction: X, Y, Z")
+        # names stand at the right end of their columns: dir ends in column 20, Ascale in 80
+        ruler = next(line for line in grav.splitlines() if line.startswith("#"))
+        self.assertEqual(("dir", "Ascale"), (ruler[17:20], ruler[74:80]))
+
+    def test_an_example_is_a_block_of_a_deck_that_is_shipped(self):
+        page = self.kjoint("help", "/RBODY").stdout
+        deck = re.search(r"kjoint new (\w+)", page).group(1)
+        block = page[page.index("kjoint new"):].split("\n\n", 1)[1].strip()
+        self.assertIn(block, (SOURCE / "decks" / f"{deck}_0000.rad").read_text())
+
+    def test_an_unknown_keyword_gets_its_neighbour(self):
+        self.assertIn("did you mean /GRAV?", self.kjoint("help", "/GRAF", code=2).stderr)
+
+    def test_new_decks_are_those_that_are_shipped(self):
+        kinds = self.kjoint("new").stdout.split("Kinds:")[1].split()
+        shipped = sorted(p.name[:-9] for p in (SOURCE / "decks").glob("*_0000.rad"))
+        self.assertEqual(shipped, sorted(kinds))
+        self.kjoint("new", "door")                         # the begin of a name will do
+        for end in ("_0000.rad", "_0001.rad"):
+            self.assertEqual((SOURCE / "decks" / f"door_hinge{end}").read_bytes(),
+                             (self.folder / f"door_hinge{end}").read_bytes())
+        self.kjoint("check", "-q", "door_hinge_0000.rad")
+        done = self.kjoint("new", "door_hinge", code=3)    # never over a file
+        self.assertIn("there already", done.stderr)
+        self.assertIn("did you mean", self.kjoint("new", "slidr_crank", code=2).stderr)
+
+    def test_the_pages_in_the_documents_are_those_of_the_program(self):
+        cards = subprocess.run([sys.executable, SOURCE / "tools" / "cards", KJOINT, "-"],
+                               capture_output=True, text=True, check=True).stdout
+        self.assertEqual((SOURCE / "docs" / "cards.md").read_text(), cards,
+                         "run tools/cards")
+
+
 class Signals(Program):
     def long_run(self, formulation):
         words = [KJOINT, "run", "--formulation", formulation, "REV01_0000.rad", "--until", "1e4",

@@ -1,0 +1,85 @@
+!> `kjoint new`: a commented deck to begin with, one of those in decks/, which the program holds.
+module kj_new_command
+   use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
+   use kj_option, only: arguments_t, did_you_mean
+   use kj_shipped_deck, only: shipped_count, shipped_name, shipped_text
+   use kj_spelling, only: upper
+   use kj_terminal, only: print_line
+   implicit none
+   private
+
+   public :: new_command
+
+   character(len=*), parameter :: STARTER = '_0000.rad'
+
+contains
+
+   !> Write the starter and the engine deck of a kind into this folder, or list the kinds.
+   !>
+   !> Errors: ERR_INPUT when there is no such kind, ERR_FILE when a file of the name is there
+   subroutine new_command(args, error)
+      type(arguments_t), intent(in) :: args
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=40), allocatable :: kinds(:)
+      integer :: k
+
+      call list_kinds(kinds)
+      if (args%n_operand == 0) then
+         call print_line('kjoint new KIND writes KIND_0000.rad and KIND_0001.rad. Kinds:')
+         do k = 1, size(kinds)
+            call print_line('   '//trim(kinds(k)))
+         end do
+         return
+      end if
+      do k = 1, size(kinds)                      ! the begin of a name will do
+         if (index(upper(kinds(k)), upper(args%operand(1)%s)) == 1) exit
+      end do
+      if (k > size(kinds)) then
+         call fail(error, ERR_INPUT, 'there is no deck of the kind "'//args%operand(1)%s//'"')
+         error%hint = did_you_mean(args%operand(1)%s, kinds)
+         if (len(error%hint) == 0) error%hint = '`kjoint new` lists them'
+         return
+      end if
+      call write_deck(trim(kinds(k))//STARTER, error)
+      if (.not. allocated(error)) call write_deck(trim(kinds(k))//'_0001.rad', error)
+      if (.not. allocated(error)) call print_line('kjoint run '//trim(kinds(k))//STARTER)
+   end subroutine new_command
+
+   !> The names of the starter decks, without their end
+   subroutine list_kinds(kinds)
+      character(len=40), allocatable, intent(out) :: kinds(:)
+
+      character(len=:), allocatable :: name
+      integer :: i
+
+      allocate (kinds(0))
+      do i = 1, shipped_count()
+         call shipped_name(i, name)
+         if (index(name, STARTER) > 0) kinds = [character(len=40) :: kinds, name(:len(name) - 9)]
+      end do
+   end subroutine list_kinds
+
+   !> A shipped deck into this folder; nothing happens when there is none of this name.
+   !> Errors: ERR_FILE when a file of this name is there, or it cannot be written
+   subroutine write_deck(name, error)
+      character(len=*), intent(in) :: name
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=:), allocatable :: shipped, text
+      integer :: i, unit, status
+
+      do i = 1, shipped_count()
+         call shipped_name(i, shipped)
+         if (shipped /= name) cycle
+         call shipped_text(i, text)
+         open (newunit=unit, file=name, status='new', action='write', access='stream', &
+            iostat=status)
+         if (status == 0) write (unit, iostat=status) text
+         if (status == 0) close (unit, iostat=status)
+         if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//name// &
+            ': it is there already, or the folder cannot be written to')
+      end do
+   end subroutine write_deck
+
+end module kj_new_command
