@@ -26,6 +26,11 @@ module kj_check
       real(wp) :: nodal_step = 0.0_wp             !! the rule of Radioss; huge: nothing limits it
       real(wp) :: safe_step = 0.0_wp              !! stable for certain
       real(wp) :: exact_step = 0.0_wp             !! of the assembled scene; 0: too large to tell
+      ! of the integrator compliant, at the start
+      real(wp) :: turn_step = 0.0_wp              !! by the turn of the bodies; huge: no limit
+      real(wp) :: spring_step = 0.0_wp            !! by explicit springs, friction; huge: none
+      real(wp) :: stiffest = 0.0_wp               !! frequency of the stiffest blocked row alone
+      integer :: n_redundant = 0                  !! blocked rows that repeat others; -1: too many
       real(wp) :: factor = 0.0_wp                 !! on the critical step, of deck or options
       integer :: safe_joint = 0                   !! joint or spring that holds it, 0 = none
       real(wp), allocatable :: island_step(:)     !! safe steps of islands; huge: none

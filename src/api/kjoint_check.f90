@@ -11,6 +11,7 @@ submodule (kjoint) kjoint_check
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_islands, only: find_islands, island_steps
    use kj_consistent_nodal_step, only: nodal_bound, exact_bound
+   use kj_consistent_compliant_check, only: compliant_outlook
    implicit none
 
    integer, parameter :: MOST_DOFS = 3000        !! of the eigenvalue problem of the whole scene
@@ -186,6 +187,9 @@ contains
       call nodal_bound(scene, state, report%nodal_step)
       call exact_bound(scene, state, bound, MOST_DOFS, report%exact_step)
       call sort_limits()
+      if (allocated(error)) return
+      call compliant_outlook(scene, state, report%turn_step, report%spring_step, report%stiffest, &
+         report%n_redundant)
 
    contains
 

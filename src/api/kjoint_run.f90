@@ -294,6 +294,7 @@ contains
 
       owner = 0
       if (sim%scheme%now%owner_kind == OWNER_JOINT) owner = sim%scheme%now%owner
+      if (sim%options%integrator == 'compliant') owner = -1
       call worst_lines(sim%history, sim%extremes, owner, lines)
       json = worst_json(sim%history, sim%extremes)
    end procedure simulation_worst

@@ -88,10 +88,29 @@ contains
       else
          call print_line('   exact       not computed: the scene is too large')
       end if
+      call print_compliant(report)
       call print_line('')
       call print_line('findings: '//counted(findings%n_error, 'error', 'errors')//', '// &
          counted(findings%n_warning, 'warning', 'warnings'))
    end subroutine print_report
+
+   !> What --integrator compliant would make of the scene
+   subroutine print_compliant(report)
+      type(check_t), intent(in) :: report
+
+      real(wp) :: h
+
+      call print_line('step of --integrator compliant (error, samples, stops may ask for less)')
+      call print_line('   turn        '//trim(step_text(report%turn_step))//'  (0.1 rad of a body)')
+      call print_line('   springs     '//trim(step_text(report%spring_step)))
+      h = min(report%turn_step, report%spring_step)
+      if (h < 0.5_wp*huge(h) .and. report%stiffest > 0.0_wp) call print_line( &
+         '   stiffness   w h = '//trim(number(report%stiffest*h))// &
+         ' of the stiffest blocked direction')
+      if (report%n_redundant > 0) call print_line('   redundant   '// &
+         counted(report%n_redundant, 'blocked direction', 'blocked directions')// &
+         ': Kn shares the forces among them')
+   end subroutine print_compliant
 
    !> "3 springs, ", nothing where there is none
    pure function springs_text(n) result(text)
@@ -263,6 +282,10 @@ contains
             ', '//json_member('safe_joint', report%safe_joint)// &
             ', '//json_pair('island_steps', '['//steps_json(report%island_step)//']')// &
             ', '//json_pair('exact_step', json_step(report%exact_step))// &
+            ', '//json_pair('turn_step', json_step(report%turn_step))// &
+            ', '//json_pair('spring_step', json_step(report%spring_step))// &
+            ', '//json_pair('stiffest_frequency', json_real(report%stiffest))// &
+            ', '//json_member('redundant', report%n_redundant)// &
             ', '//json_member('factor', report%factor))
          call print_line(', "joints": [')
          do i = 1, size(report%joint)

@@ -51,13 +51,19 @@ contains
       integer, allocatable :: island(:), group(:)
       integer :: home(model%n_lead), ends(2, model%n_element)
       integer :: of_element(model%n_element), n, p
+      real(wp) :: limit(model%n_element)
       logical :: leads(model%n_lead)
 
       call find_islands(model%model_t, island, n_island)
       allocate (group(0:n_island), source=0)
       n = 0
-      if (n_island > 1) call group_islands(island_steps(model%model_t, island, n_island, &
-         min(whole%bound%limit, whole%most/whole%factor)), group, n)
+      if (whole%integrator == COMPLIANT) then
+         limit = min(whole%pace%bound%limit, whole%most/whole%pace%factor)
+      else
+         limit = min(whole%bound%limit, whole%most/whole%factor)
+      end if
+      if (n_island > 1) call group_islands(island_steps(model%model_t, island, n_island, limit), &
+         group, n)
       if (n < 2) n = 0                           ! nothing to gain
       allocate (part(n))
       if (n == 0) return

@@ -24,7 +24,7 @@ contains
    subroutine worst_lines(history, x, owner, lines)
       type(history_t), intent(in) :: history
       type(extremes_t), intent(in) :: x
-      integer, intent(in) :: owner               !! id of the joint that holds the step; 0: none
+      integer, intent(in) :: owner               !! id of the joint that holds the step; 0: none; -1: no Kn does
       type(text_t), allocatable, intent(out) :: lines(:)
 
       character(len=*), parameter :: NAME(N_KIND) = [character(len=14) :: 'largest gap', &
@@ -68,6 +68,7 @@ contains
          if (.not. kn > 0.0_wp) return
          cost = 'at most 41 % more cycles'
          if (joints%id(gap%joint) == owner) cost = '41 % more cycles'
+         if (owner < 0) cost = 'no more cycles'
       end associate
       call append_text(lines, 'half of it    Kn '//few(2.0_wp*kn)//' instead of '//few(kn)//' '// &
          unit_name(D_STIFFNESS, history%units)//': '//cost)

@@ -1,0 +1,109 @@
+!> What the integrator `compliant` would make of a scene at its start.
+module kj_consistent_compliant_check
+   use kj_kinds, only: wp
+   use kj_joint_types, only: joint_types, NDOF
+   use kj_joint_batch, only: is_spring
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_conditions, only: body_matrix
+   use kj_consistent_safe_step, only: compliances, rows_of_end
+   use kj_consistent_compliant_build, only: make_implicit
+   use kj_consistent_compliant_march, only: pace_t, start_pace
+   implicit none
+   private
+
+   public :: compliant_outlook
+
+   integer, parameter :: MOST_ROWS = 600         !! of the dense matrix of all blocked rows
+   real(wp), parameter :: NONE_LEFT = 1.0e-8_wp  !! of a diagonal: the row is one of those before
+
+contains
+
+   !> Limits of the step by the turn of the bodies and by explicit springs, the frequency of the
+   !> stiffest blocked row, and how many blocked rows repeat others
+   subroutine compliant_outlook(model, state, h_turn, h_springs, omega, redundant)
+      type(consistent_model_t), intent(inout) :: model    !! its joints become implicit ones
+      type(consistent_state_t), intent(inout) :: state    !! at the start, becomes that of compliant
+      real(wp), intent(out) :: h_turn, h_springs !! huge: no limit
+      real(wp), intent(out) :: omega
+      integer, intent(out) :: redundant          !! -1: too many rows to tell
+
+      type(pace_t) :: pace
+      real(wp) :: s(NDOF, NDOF, 2)
+      integer :: b, i, k, n
+
+      omega = 0.0_wp
+      n = 0
+      do b = 1, size(model%batch)
+         if (is_spring(model%batch(b))) cycle
+         do i = 1, model%batch(b)%n
+            call compliances(model, state, b, i, s)
+            do k = 1, NDOF
+               if (joint_types(model%batch(b)%row)%free(k) == 1) cycle
+               n = n + 1
+               omega = max(omega, sqrt(max(0.0_wp, model%batch(b)%k(i, k)*(s(k, k, 1) + &
+                  s(k, k, 2)))))
+            end do
+         end do
+      end do
+      redundant = -1
+      if (n <= MOST_ROWS) call count_redundant(model, state, n, redundant)
+      call make_implicit(model)
+      call start_pace(model, state, pace)
+      h_turn = pace%h_turn
+      h_springs = huge(1.0_wp)
+      if (pace%bound%h < huge(1.0_wp)) h_springs = pace%h_bound
+   end subroutine compliant_outlook
+
+   !> Rows that depend on others: those of B M^-1/2 that Gram-Schmidt leaves nothing of
+   subroutine count_redundant(model, state, n, redundant)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: n
+      integer, intent(out) :: redundant
+
+      real(wp), allocatable :: a(:, :)
+      real(wp) :: rows(6, 6), p(3, 3), before, after
+      integer :: b, i, e, k, at, l, lead, kept
+
+      allocate (a(6*model%n_lead, n), source=0.0_wp)
+      at = 0
+      do b = 1, size(model%batch)
+         if (is_spring(model%batch(b))) cycle
+         do i = 1, model%batch(b)%n
+            do e = 1, 2
+               lead = model%batch(b)%lead(i, e)
+               rows = rows_of_end(model%batch(b), state, b, i, e)
+               p = body_matrix(state, lead)
+               rows(:, 1:3) = rows(:, 1:3)*sqrt(model%inverse_mass(lead))
+               rows(:, 4:6) = matmul(rows(:, 4:6), p)*spread(sqrt(model%inverse_inertia(lead, :)), &
+                  1, 6)
+               l = at
+               do k = 1, NDOF
+                  if (joint_types(model%batch(b)%row)%free(k) == 1) cycle
+                  l = l + 1
+                  a(6*lead - 5:6*lead, l) = a(6*lead - 5:6*lead, l) + rows(k, :)
+               end do
+            end do
+            at = l
+         end do
+      end do
+      redundant = 0
+      kept = 0
+      do i = 1, n
+         before = sum(a(:, i)**2)
+         do l = 1, 2                             ! twice is enough
+            do k = 1, kept
+               a(:, i) = a(:, i) - dot_product(a(:, k), a(:, i))*a(:, k)
+            end do
+         end do
+         after = sum(a(:, i)**2)
+         if (after > NONE_LEFT*before .and. before > 0.0_wp) then
+            kept = kept + 1
+            a(:, kept) = a(:, i)/sqrt(after)
+         else
+            redundant = redundant + 1
+         end if
+      end do
+   end subroutine count_redundant
+
+end module kj_consistent_compliant_check
