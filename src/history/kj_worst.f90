@@ -24,7 +24,7 @@ contains
    subroutine worst_lines(history, x, owner, lines)
       type(history_t), intent(in) :: history
       type(extremes_t), intent(in) :: x
-      integer, intent(in) :: owner               !! id of the joint that holds the step; 0: none; -1: no Kn does
+      integer, intent(in) :: owner               !! joint that holds the step; 0, -1: none, ever
       type(text_t), allocatable, intent(out) :: lines(:)
 
       character(len=*), parameter :: NAME(N_KIND) = [character(len=14) :: 'largest gap', &
