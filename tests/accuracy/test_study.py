@@ -11,7 +11,7 @@ import sys
 
 
 def study(kjoint, work, *arguments):
-    return subprocess.run([kjoint, "study", *arguments], cwd=work, capture_output=True, text=True, timeout=600)
+    return subprocess.run([kjoint, "study", *arguments], cwd=work, capture_output=True, text=True, timeout=1200)
 
 
 def main(kjoint, decks, work):
@@ -55,7 +55,7 @@ def main(kjoint, decks, work):
     assert done.stdout.count("For an error of 1.0E-04: kjoint run") == 1, done.stdout
     words = table["recommendation"].split(": kjoint ", 1)[1].split("  (")[0].split()
     run = subprocess.run([kjoint, *words, "-q", "--until", "0.2", "-o", str(work / "run.h5")],
-                         capture_output=True, text=True, timeout=600)
+                         capture_output=True, text=True, timeout=1200)
     assert run.returncode == 0, run.stderr
 
     # what nothing beats: falling errors over rising cost, and none of the others between

@@ -160,7 +160,7 @@ def run(kjoint, command, case, folder):
     words = [kjoint, command, "--json", "base_0000.rad", *case.args]
     env = {**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1"}
     return subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace",
-                          timeout=60, env=env)
+                          timeout=1200, env=env)
 
 
 def seen(findings):

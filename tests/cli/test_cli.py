@@ -8,7 +8,6 @@ import os
 import pathlib
 import pty
 import re
-import select
 import shutil
 import signal
 import subprocess
@@ -42,7 +41,7 @@ class Program(unittest.TestCase):
 
     def kjoint(self, *words, code=0, **environment):
         done = subprocess.run([KJOINT, *words], cwd=self.folder, capture_output=True, text=True,
-                              env={**os.environ, **environment}, timeout=300, check=False)
+                              env={**os.environ, **environment}, timeout=1200, check=False)
         self.assertEqual(code, done.returncode, done.stdout + done.stderr)
         return done
 
@@ -438,7 +437,7 @@ class Streams(Program):
 
     def with_stdout(self, words, place, code):
         done = subprocess.run(["sh", "-c", f'exec "$@" >{place}', "sh", KJOINT, *map(str, words)],
-                              cwd=self.folder, capture_output=True, text=True, timeout=300,
+                              cwd=self.folder, capture_output=True, text=True, timeout=1200,
                               check=False)
         self.assertEqual(code, done.returncode, (words, done.stderr))
         return done.stderr
@@ -472,7 +471,7 @@ class Streams(Program):
                       ["study", "-q", "REV01_0000.rad", "--scales", "0.9", "--stiffness", "0.1"]):
             done = subprocess.run(["sh", "-c", 'trap "" XFSZ; ulimit -f 1; exec "$@"', "sh", KJOINT,
                                    *words], cwd=self.folder, capture_output=True, text=True,
-                                  timeout=300, check=False)
+                                  timeout=1200, check=False)
             self.assertEqual(3, done.returncode, done.stdout + done.stderr)
             self.assertIn("File too large", done.stderr)
 
@@ -524,17 +523,18 @@ class Learn(Program):
 
 
 class Signals(Program):
-    def long_run(self, formulation):
-        words = [KJOINT, "run", "--formulation", formulation, "REV01_0000.rad", "--until", "1e4",
-                 "--sample", "0.01"]
-        return subprocess.Popen(words, cwd=self.folder, stdout=subprocess.PIPE,
-                                stderr=subprocess.DEVNULL, text=True)
+    """A signal comes when a run says that it is under way: nothing hangs on how busy the machine is."""
 
     def check(self, formulation, number, code):
-        run = self.long_run(formulation)
-        time.sleep(1.5)
+        words = [KJOINT, "run", "--formulation", formulation, "REV01_0000.rad", "--until", "1e4",
+                 "--sample", "0.01"]
+        run = subprocess.Popen(words, cwd=self.folder, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+        for line in run.stderr:
+            if re.match(r" +[1-9]\d* +\d\.\d+E", line):          # a listing line
+                break
         run.send_signal(number)
-        said, _ = run.communicate(timeout=60)
+        said, _ = run.communicate()
         self.assertEqual(code, run.returncode)
         self.assertIn("STOPPED BY USER", said)
         self.assertIn("STOPPED BY USER", self.kjoint("info", "REV01.h5").stdout)
@@ -547,41 +547,43 @@ class Signals(Program):
 
 
 class Terminal(Program):
-    def on_a_terminal(self, seconds, **environment):
-        """What a run prints on a terminal within some seconds; then it is interrupted."""
+    LINE = rb"\r *\d+\.\d %  t [^\r]*ETA[^\r]*"
+
+    def on_a_terminal(self, pattern, count, **environment):
+        """What a run prints on a terminal until a pattern has come some times; then it is
+        interrupted. Also the seconds it took."""
+        started = time.monotonic()
         pid, master = pty.fork()
         if pid == 0:
             os.chdir(self.folder)
             words = [KJOINT, "run", "--legacy", "REV01_0000.rad", "--until", "1e4",
                      "--sample", "0.01"]
             os.execve(KJOINT, words, {**os.environ, "TERM": "xterm", **environment})
-        said, end, sent = b"", time.monotonic() + seconds, False
+        said, sent = b"", False
         while True:
-            if not sent and time.monotonic() > end:
+            try:
+                part = os.read(master, 65536)
+            except OSError:                            # as a terminal ends on Linux
+                part = b""
+            if not part:
+                break
+            said += part
+            if not sent and len(re.findall(pattern, said)) >= count:
                 os.kill(pid, signal.SIGINT)
                 sent = True
-            if select.select([master], [], [], 0.1)[0]:
-                try:
-                    part = os.read(master, 65536)
-                except OSError:
-                    part = b""
-                if not part:
-                    break
-                said += part
         os.close(master)
         self.assertEqual(130, os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
-        return said.decode()
+        return said, time.monotonic() - started
 
     def test_a_line_is_written_over_at_most_five_times_a_second(self):
-        said = self.on_a_terminal(3.0)
-        lines = re.findall(r"\r *\d+\.\d %  t [^\r]*ETA[^\r]*", said)
-        self.assertGreaterEqual(len(lines), 3)
-        self.assertLessEqual(len(lines), 12)
+        said, seconds = self.on_a_terminal(self.LINE, 8)
+        # the first after a second, the others at least 0.2 s apart
+        self.assertLessEqual(len(re.findall(self.LINE, said)), 1 + (seconds - 1.0)/0.2)
 
     def test_a_dumb_terminal_gets_listing_lines(self):
-        said = self.on_a_terminal(2.0, TERM="dumb")
-        self.assertNotIn("\x1b", said)
-        self.assertNotRegex(said, "\r(?!\n)")
+        said, _ = self.on_a_terminal(rb"\n +[1-9]\d* +\d\.\d+E", 2, TERM="dumb")
+        self.assertNotIn(b"\x1b", said)
+        self.assertNotRegex(said, rb"\r(?!\n)")
 
     def test_colours_can_be_refused(self):
         self.deck_with("           1000000.0 ", "           1000O00.0 ")

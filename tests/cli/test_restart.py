@@ -58,15 +58,16 @@ class Restart(Program):
         self.engine.write_text(self.engine.read_text().replace("\n0.0199\n", "\n40\n", 1))
         run = subprocess.Popen([test_cli.KJOINT, "run", "REV01_0000.rad", "--sample", "0.01"], text=True,
                                cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        while "E-" not in run.stderr.readline():           # the first line of the listing
-            pass
+        for line in run.stderr:
+            if "E-" in line:                               # the first line of the listing
+                break
         run.send_signal(signal.SIGUSR1)                    # a checkpoint, and on
         checkpoint = self.folder / "REV01.restart.h5"
         while not checkpoint.exists() and run.poll() is None:
             time.sleep(0.01)
         first = checkpoint.stat().st_mtime_ns
         run.send_signal(signal.SIGINT)
-        said, _ = run.communicate(timeout=60)
+        said, _ = run.communicate()
         self.assertEqual(130, run.returncode)
         self.assertIn("checkpoint    REV01.restart.h5", said)
         self.assertNotEqual(first, checkpoint.stat().st_mtime_ns)
@@ -137,7 +138,7 @@ class Restart(Program):
         self.assertIn("cycles/s", answer)
         self.assertIn("/NIX: not known", answer)
         control.write_text("/STOP\n")
-        said, _ = run.communicate(timeout=60)
+        said, _ = run.communicate()
         self.assertEqual(130, run.returncode)
         self.assertIn("STOPPED BY USER", said)
         self.assertTrue((self.folder / "REV01.restart.h5").exists())
