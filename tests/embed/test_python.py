@@ -295,6 +295,25 @@ class Elements(unittest.TestCase):
             np.testing.assert_allclose(f[1:, 0], [-0.1*k for _, k in laws], atol=1e-12)
             np.testing.assert_allclose(f[0, 0], 0.1*sum(k for _, k in laws), atol=1e-12)
 
+    def test_legacy_friction_goes_by_the_mean_of_two_steps(self):
+        # sticking: r grows by k qdot (h_before + h)/2, and Cr sqrt(k m) qdot damps, m = 1*2/(1 + 2).
+        # 1 mm in 0.1, the step before it 0: 500*0.01*0.05; 1 mm in 0.3: 500*0.01/3*0.2 more
+        m = kjoint.Mechanism("slider")
+        m.joint("translational", m.ground(), m.body(2.0, (1, 1, 1), at=(0, 0, 0)), at=(0, 0, 0),
+                friction={"tx": (1e6, 500.0)})
+        joints = kjoint.Joints(6, "legacy")
+        joints.take(m.model(until=1.0, sample=1.0, formulation="legacy"),
+                    [1, 2, 1010, 1011, 1012, 1013])
+        x, zero = np.zeros((6, 3)), np.zeros((6, 3))
+        x[4, 0] = x[5, 1] = 1.0                       # the axes of the joint
+        damping = 0.05*np.sqrt(500*2/3)
+        for time, h, q, wanted in ((0.0, 0.0, 0.0, 0.0), (0.1, 0.1, 1e-3, 0.25 + damping*1e-3/0.1),
+                                   (0.4, 0.3, 2e-3, 0.25 + 1/3 + damping*1e-3/0.3)):
+            x[1, 0] = x[3, 0] = q
+            f = np.zeros((6, 3))
+            joints.forces(time, h, x, zero, zero, f, np.zeros((6, 3)))
+            np.testing.assert_allclose(f[:2, 0], [wanted, -wanted], rtol=1e-12)
+
     def test_nodal_stiffness_bears_the_legacy_step(self):
         # legacy: k of a blocked direction is (C + sqrt(C^2 + k m))^2/m with C = cr sqrt(k m), and
         # the node gets twice that; m = 4 here, its other end is held: s = k (cr + sqrt(cr^2 + 1))^2
