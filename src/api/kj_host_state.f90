@@ -142,6 +142,10 @@ contains
       do i = 1, n
          call legacy_rows(joint%block(block_of(i)), row)
          call pass(row(lane_of(i), :), tape)
+         if (allocated(joint%spring)) then
+            call legacy_rows(joint%spring(block_of(i)), row)
+            call pass(row(lane_of(i), :), tape)
+         end if
          if (.not. allocated(joint%limit)) cycle
          call legacy_rows(joint%limit(block_of(i)), row)
          call pass(row(lane_of(i), :), tape)

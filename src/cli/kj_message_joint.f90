@@ -203,27 +203,16 @@ module kj_message_joint
       'The axes of a joint have turned against each other, or against the body that should '// &
       'carry them, by more than 1e-3 rad. The channel joint/orthogonality has it over time.', &
       'Put the nodes of the skew on the body of its joint node; or raise the stiffness.'), &
-   message_t('KJ-9220', SEV_ERROR, 'springs that a sensor switches', &
-      'A spring with sens_ID acts only while the sensor is active; that is not supported.', &
-      'Write 0. A joint of /PROP/KJOINT2 can be locked by a sensor.'), &
-   message_t('KJ-9221', SEV_ERROR, 'springs that fail', &
-      'Beyond delta_min and delta_max a spring of Radioss breaks; that is not supported.', &
-      'Write 0 in both: the spring never breaks.'), &
-   message_t('KJ-9222', SEV_ERROR, 'springs with hardening or hysteresis', &
-      'Only elastic springs are supported: H = 0. The other rules H unload on another path, '// &
-      'or read the function otherwise.', &
-      'Write 0, or model the hysteresis by friction of a /PROP/KJOINT2.'), &
-   message_t('KJ-9223', SEV_ERROR, 'springs with laws per unit of length', &
-      'With Ileng = 1 mass, stiffness, damping and the functions are those of a spring of '// &
-      'length 1.', 'Write 0, and give the values of the spring as it is.'), &
-   message_t('KJ-9224', SEV_ERROR, 'springs whose elastic force depends on the rate', &
-      'B and fct2 multiply the function fct1 by a factor of the rate; that is not supported.', &
-      'Remove them. Damping of its own is C, or Hscale with the function fct4.'), &
+   message_t('KJ-9220', SEV_ERROR, 'how a sensor switches a spring', &
+      'Isflag is 0 (on with the sensor), 1 (off with it) or 2 (on with it, off with it).', &
+      'Give one of them.'), &
+   message_t('KJ-9221', SEV_ERROR, 'a hardening rule that does not exist', &
+      'H is 0, 1, 2, 4, 5, 6 or 7; a spring of type 4 has 8, too.', 'Give one of them.'), &
+   message_t('KJ-9222', SEV_ERROR, 'a spring that only the legacy formulation has', &
+      'Hardening, rates, failure, sensors and laws per unit of length.', 'Run with --legacy.'), &
    message_t('KJ-9225', SEV_WARNING, 'an option of a spring has no effect', &
       'The value acts only together with another one that is not there.', &
       'Remove it, or give the other one.'), &
-   message_t('KJ-9226', SEV_ERROR, 'springs with filtered rates', &
-      'Fsmooth = 1 smooths the rates that damping sees; that is not supported.', 'Write 0.'), &
    message_t('KJ-9227', SEV_ERROR, 'a couple for axes that are fixed in space', &
       'With axes that ride on a body the couple of the offset force goes to that body, '// &
       'always. Axes fixed in space take it themselves; a couple on the nodes would do work '// &

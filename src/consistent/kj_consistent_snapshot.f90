@@ -234,7 +234,7 @@ contains
                shown%x(j, :) = 0.5_wp*(place_node(model, state, batch%node(j, 1)) + &
                   place_node(model, state, batch%node(j, 2)))
             end do
-            if (.not. is_spring(batch)) call show_lengths(batch%xl0, shown)
+            call show_lengths(batch%xl0, shown)
             if (geometry%shifted) shown%q(:, 4:6) = shown%q(:, 4:6) + batch%angle0
          end associate
       end do

@@ -183,8 +183,8 @@ module kj_card_fields
    field_t(KW_SPRING8, EACH, 4,  DOFS, 21,  40, 'E',         'r', D_FORCE,     0, 'scale of fct2'), &
    field_t(KW_SPRING8, EACH, 4,  DOFS, 41,  60, 'Ascale',    'r', D_LENGTH,    0, 'scale of the abscissa of fct1'), &
    field_t(KW_SPRING8, EACH, 4,  DOFS, 61,  80, 'Hscale',    'r', D_FORCE,     0, 'scale of fct4'), &
-   field_t(KW_SPRING8, EACH, 20, ONCE,  1,  10, 'Fsmooth',   'i', D_NUMBER,    0, '1: rates are filtered'), &
-   field_t(KW_SPRING8, EACH, 20, ONCE, 11,  30, 'Fcut',      'r', D_NUMBER,    0, 'cutting frequency of the filter'), &
+   field_t(KW_SPRING8, EACH, 20, ONCE,  1,  10, 'Fsmooth',   'i', D_NUMBER,    0, '1: failure is smoothed'), &
+   field_t(KW_SPRING8, EACH, 20, ONCE, 11,  30, 'Fcut',      'r', D_NUMBER,    0, 'cutting frequency of that'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE,  1,  10, 'node_id',   'i', D_NUMBER,    0, 'main node, 0 = created'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE, 11,  20, 'sens_id',   'i', D_NUMBER,    0, 'sensor that activates the body'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE, 21,  30, 'skew_id',   'i', D_NUMBER,    0, 'axes of the inertia'), &

@@ -9,8 +9,8 @@ module kj_diff
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_FILE, ERR_INPUT, str
-   use kj_channels, only: CH_TIME, channels, groups, OF_RUN, CH_CYCLE, CH_TIME_STEP, &
-      CH_OWNER_KIND, CH_OWNER
+   use kj_channels, only: CH_TIME, channels, groups, find_channel, OF_RUN, OF_JOINT, OF_SPRING, &
+      CH_CYCLE, CH_TIME_STEP, CH_OWNER_KIND, CH_OWNER
    use kj_metrics, only: metrics, curve_sums_t, add_sample, finish_metrics, M_ISO, M_ISO_Z, &
       M_ISO_P, M_ISO_M, M_ISO_S
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t, profile_t, &
@@ -291,6 +291,9 @@ contains
 
    !> List every channel of every entity of REF with its place in RUN, 0 where RUN has none
    !>
+   !> A T01 has joints and springs in one group, a history of ours has two: what is not found in the
+   !> one group is looked for in the other. There springs of type 4 alone have no moments, which in
+   !> a T01 are 0: these are left out.
    !> Profile `solver` and interpolation compare runs of other steps: channels that tell of the
    !> steps are then listed only. Of a vector of which some components are wanted each stands alone.
    !> Errors: ERR_INPUT when a wanted channel is not in REF
@@ -301,10 +304,10 @@ contains
       type(channel_result_t), allocatable, intent(out) :: list(:)
       type(error_t), allocatable, intent(out) :: error
 
-      integer, allocatable :: ref_id(:), run_id(:)
-      type(lookup_t) :: in_run
+      integer, allocatable :: ref_id(:)
+      type(lookup_t) :: in_run(2)
       logical :: wanted(ref%history%n_value)
-      integer :: run_variable(size(channels)), i, j, k, n, at, c
+      integer :: run_variable(size(channels)), group(2), i, j, k, g, n, at, c
 
       call mark_wanted(ref%history, options, wanted, error)
       if (allocated(error)) return
@@ -330,11 +333,13 @@ contains
       do i = 1, size(ref%history%variable)
          associate (v => ref%history%variable(i))
             call entity_ids(ref%history, channels(v%channel)%owner, ref_id)
-            call entity_ids(run%history, channels(v%channel)%owner, run_id)
-            call new_lookup(run_id, in_run)
+            call list_groups(run%history, v%channel, group, in_run)
             do j = 1, v%n_entity
                at = v%first + (j - 1)*v%n_comp
-               k = partner(ref_id, j, in_run)
+               call find_in_groups(ref_id, j, in_run, k, g)
+               if (g == 2 .and. channels(v%channel)%owner == OF_JOINT) then
+                  if (run_variable(group(g)) == 0) cycle
+               end if
                if (all(wanted(at:at + v%n_comp - 1))) then
                   call append(v%channel, ref_id(j), k, at, 0, v%n_comp, name_of(v%channel, &
                      ref_id(j)))
@@ -347,6 +352,7 @@ contains
             end do
          end associate
       end do
+      list = list(:n)
 
    contains
 
@@ -363,8 +369,8 @@ contains
          list(n)%name = name
          list(n)%counted = .not. (any(OF_STEPS == channel) .and. &
             (profile%name == 'solver' .or. options%interpolate))
-         if (entity_in_run == 0 .or. run_variable(channel) == 0) return
-         associate (v => run%history%variable(run_variable(channel)))
+         if (entity_in_run == 0 .or. run_variable(group(g)) == 0) return
+         associate (v => run%history%variable(run_variable(group(g))))
             at = v%first + (entity_in_run - 1)*v%n_comp + skip
          end associate
          if (run%reader%given(at)) list(n)%run_at = at
@@ -376,10 +382,10 @@ contains
       type(cursor_t), intent(in) :: ref, run
       type(text_t), allocatable, intent(out) :: list(:)
 
-      integer, allocatable :: ref_id(:), run_id(:)
-      type(lookup_t) :: in_ref
+      integer, allocatable :: run_id(:)
+      type(lookup_t) :: in_ref(2)
       type(text_t), allocatable :: found(:)
-      integer :: ref_variable(size(channels)), i, j, k, at, n
+      integer :: ref_variable(size(channels)), group(2), i, j, k, g, at, n
 
       n = 0
       allocate (found(sum(run%history%variable%n_entity) + size(run%reader%unknown)))
@@ -389,17 +395,18 @@ contains
       end do
       do i = 1, size(run%history%variable)
          associate (v => run%history%variable(i))
-            call entity_ids(ref%history, channels(v%channel)%owner, ref_id)
             call entity_ids(run%history, channels(v%channel)%owner, run_id)
-            call new_lookup(ref_id, in_ref)
+            call list_groups(ref%history, v%channel, group, in_ref)
             do j = 1, v%n_entity
                if (.not. run%reader%given(v%first + (j - 1)*v%n_comp)) cycle
-               k = partner(run_id, j, in_ref)
-               if (k > 0 .and. ref_variable(v%channel) > 0) then
-                  associate (w => ref%history%variable(ref_variable(v%channel)))
-                     at = w%first + (k - 1)*w%n_comp
-                  end associate
-                  if (ref%reader%given(at)) cycle
+               call find_in_groups(run_id, j, in_ref, k, g)
+               if (k > 0) then
+                  if (ref_variable(group(g)) > 0) then
+                     associate (w => ref%history%variable(ref_variable(group(g))))
+                        at = w%first + (k - 1)*w%n_comp
+                     end associate
+                     if (ref%reader%given(at)) cycle
+                  end if
                end if
                n = n + 1
                found(n)%s = name_of(v%channel, run_id(j))
@@ -446,6 +453,41 @@ contains
          end associate
       end do
    end subroutine mark_wanted
+
+   !> The channels of the other side that may hold what a channel holds, 0 = none, and their entities
+   subroutine list_groups(other, channel, group, entities)
+      type(history_t), intent(in) :: other
+      integer, intent(in) :: channel
+      integer, intent(out) :: group(2)
+      type(lookup_t), intent(out) :: entities(2)
+
+      integer, allocatable :: id(:)
+      integer :: k
+
+      group = [channel, 0]
+      associate (c => channels(channel))
+         if (c%owner == OF_JOINT) group(2) = find_channel(OF_SPRING, c%name)
+         if (c%owner == OF_SPRING) group(2) = find_channel(OF_JOINT, c%name)
+      end associate
+      do k = 1, 2
+         id = [integer ::]
+         if (group(k) > 0) call entity_ids(other, channels(group(k))%owner, id)
+         call new_lookup(id, entities(k))
+      end do
+   end subroutine list_groups
+
+   !> Place of entity j on the other side, 0 = none, and which group has it
+   pure subroutine find_in_groups(id, j, entities, k, group)
+      integer, intent(in) :: id(:), j            !! ids ascend
+      type(lookup_t), intent(in) :: entities(2)
+      integer, intent(out) :: k, group
+
+      group = 1
+      k = partner(id, j, entities(1))
+      if (k > 0) return
+      k = partner(id, j, entities(2))
+      if (k > 0) group = 2
+   end subroutine find_in_groups
 
    !> Place on the other side of entity j: of those with one id the n-th belong together; 0 = none
    pure integer function partner(id, j, other) result(k)

@@ -118,7 +118,8 @@ module kj_channels
       channel_t(SPRING, 'moment', 3, F64, MOMENT, 'moment', J, T, 0, 'MX MY MZ', 'spring moment on node 1'), &
       channel_t(SPRING, 'displacement', 3, F64, LEN, 'displacement', J, T, 0, 'LX LY LZ', 'displacement of node 2 from node 1'), &
       channel_t(SPRING, 'rotation', 3, F64, ANGLE, 'rotation', J, T, 0, 'RX RY RZ', 'rotation of end 2 relative to end 1'), &
-      channel_t(SPRING, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 0, 'IE', 'work done on the spring')]
+      channel_t(SPRING, 'internal_energy', 1, F64, ENERGY, 'energy', '', T, 0, 'IE', 'work done on the spring'), &
+      channel_t(SPRING, 'length', 1, F64, LEN, 'displacement', '', T, 0, 'LENGTH', 'distance of its nodes')]
 
    !> Rows of the channel table, found by owner and name; 0 would be none
    character(len=20), parameter :: N(*) = channels%name
@@ -176,7 +177,9 @@ module kj_channels
       CH_N_ANGACC = findloc(N, 'angular_acceleration', 1, OF_N), &
       CH_S_FORCE = findloc(N, 'force', 1, OF_S), CH_S_MOMENT = findloc(N, 'moment', 1, OF_S), &
       CH_S_DISP = findloc(N, 'displacement', 1, OF_S), &
-      CH_S_ROT = findloc(N, 'rotation', 1, OF_S), CH_S_IE = findloc(N, 'internal_energy', 1, OF_S)
+      CH_S_ROT = findloc(N, 'rotation', 1, OF_S), &
+      CH_S_IE = findloc(N, 'internal_energy', 1, OF_S), &
+      CH_S_LENGTH = findloc(N, 'length', 1, OF_S)
 
 contains
 

@@ -2,7 +2,7 @@
 module kj_sample
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INTERNAL
-   use kj_joint_batch, only: SPRING8, has_limits
+   use kj_joint_batch, only: SPRING4, has_limits
    use kj_model, only: model_t
    use kj_snapshot, only: snapshot_t
    use kj_take, only: roster_t, new_roster, new_rosters
@@ -57,7 +57,7 @@ contains
    pure logical function any_moments(model)
       type(model_t), intent(in) :: model
 
-      any_moments = any(model%batch(model%joint(model%th_spring)%batch)%kind == SPRING8)
+      any_moments = any(model%batch(model%joint(model%th_spring)%batch)%kind /= SPRING4)
    end function any_moments
 
    !> A joint of the history has stops, friction or a lock

@@ -13,7 +13,7 @@ module kj_sample_joint
    use kj_channels, only: CH_J_POS, CH_J_FORCE, CH_J_MOMENT, CH_J_DISP, CH_J_ROT, CH_J_VEL, &
       CH_J_ANGVEL, CH_J_IE, CH_J_ELASTIC, CH_J_DISSIPATED, CH_J_LENGTH, CH_J_VIOL_T, CH_J_VIOL_R, &
       CH_J_FRAME, CH_J_ORTHO, CH_J_STATE, CH_J_FRICTION, CH_J_GAP, CH_J_GAP_ROT, CH_S_FORCE, &
-      CH_S_MOMENT, CH_S_DISP, CH_S_ROT, CH_S_IE
+      CH_S_MOMENT, CH_S_DISP, CH_S_ROT, CH_S_IE, CH_S_LENGTH
    implicit none
    private
 
@@ -43,7 +43,7 @@ contains
          case (CH_J_DISSIPATED)
             call elastic_energies(model, b, s, roster, y)
             y(1, roster%entity) = s%energy(roster%place) - y(1, roster%entity)
-         case (CH_J_LENGTH); call take(s%length, roster, y)
+         case (CH_J_LENGTH, CH_S_LENGTH); call take(s%length, roster, y)
          case (CH_J_VIOL_T); call violations(joint_types(b%row)%free(1:3), s%q(:, 1:3), roster, y)
          case (CH_J_VIOL_R); call violations(joint_types(b%row)%free(4:6), s%q(:, 4:6), roster, y)
          case (CH_J_FRAME); call frames(s%e, b%frame, roster, y)

@@ -3,6 +3,7 @@
 module kj_joint_batch
    use kj_kinds, only: wp
    use kj_joint_types, only: NDOF, joint_types
+   use kj_spring_law, only: spring_t
    implicit none
    private
 
@@ -16,7 +17,7 @@ module kj_joint_batch
    integer, parameter, public :: LAW_DAMPER_CURVE = 8  !! tabulated damping force
 
    integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kinds: /PROP/TYPE33, /PROP/TYPE45
-   integer, parameter, public :: SPRING4 = 4, SPRING8 = 8    !! kinds: /PROP/TYPE4, /PROP/TYPE8
+   integer, parameter, public :: SPRING4 = 4, SPRING8 = 8, SPRING13 = 13   !! of /PROP/TYPEn
 
    real(wp), parameter :: TINY_VALUE = 1.0e-20_wp            !! nothing is given
 
@@ -68,7 +69,7 @@ module kj_joint_batch
       integer :: row = 0                        !! row of kj_joint_types
       integer :: frame = 0                      !! FRAME_ constant
       integer :: law(NDOF) = 0                  !! LAW_ bits of each dof
-      integer :: kind = KJOINT                  !! KJOINT, KJOINT2, SPRING4 or SPRING8
+      integer :: kind = KJOINT                  !! KJOINT, KJOINT2 or a SPRING
       logical :: limited = .false.              !! `limit` is there and acts
       integer, allocatable :: node(:, :)        !! (n, 2) node index of each end
       integer, allocatable :: lead(:, :)        !! (n, 2) body or free node that carries the end
@@ -86,6 +87,7 @@ module kj_joint_batch
                                                 !! rotation
       real(wp), allocatable :: c_top(:, :)      !! (n, 2) largest linear user damping
       real(wp), allocatable :: angle0(:, :)     !! (n, 3) rotation at the start, J [rad]
+      type(spring_t), allocatable :: spring(:)  !! (n) of springs only
       type(limits_t) :: limit
       type(geometry_t) :: geometry
    end type joint_batch_t
@@ -96,7 +98,7 @@ contains
    pure elemental logical function is_spring(batch)
       type(joint_batch_t), intent(in) :: batch
 
-      is_spring = batch%kind == SPRING4 .or. batch%kind == SPRING8
+      is_spring = any(batch%kind == [SPRING4, SPRING8, SPRING13])
    end function is_spring
 
    !> Allocate the constants of n joints, all zero

@@ -13,9 +13,9 @@ module kj_lead_map
    integer, parameter, public :: W_FORCE = 1     !! 1-3: force on end 1, W; end 2 gets the opposite
    integer, parameter, public :: W_MOMENT1 = 4   !! 4-6: moment about the lead of end 1, W
    integer, parameter, public :: W_MOMENT2 = 7   !! 7-9: moment about the lead of end 2, W
-   integer, parameter, public :: W_KN = 10       !! stiffness of both ends, translation
-   integer, parameter, public :: W_KR1 = 11, W_KR2 = 12   !! and rotation, at the lead
-   integer, parameter, public :: N_WRENCH = 12
+   integer, parameter, public :: W_KN1 = 10, W_KN2 = 11   !! stiffness of each end, translation,
+   integer, parameter, public :: W_KR1 = 12, W_KR2 = 13   !! and rotation, at the lead
+   integer, parameter, public :: N_WRENCH = 13
 
    integer, parameter, public :: SPAN = 64
    integer, parameter, public :: N_SUM = 8        !! rows of a sum: force, moment, kn, kr
@@ -167,14 +167,15 @@ contains
          r = 0.0_wp
          do i = first(row), first(row + 1) - 1
             j = abs(joint(i))
-            if (stiff) s = s + wrench(W_KN, j)
             if (joint(i) > 0) then
                force = force + wrench(W_FORCE:W_FORCE + 2, j)
                moment = moment + wrench(W_MOMENT1:W_MOMENT1 + 2, j)
+               if (stiff) s = s + wrench(W_KN1, j)
                if (stiff) r = r + wrench(W_KR1, j)
             else
                force = force - wrench(W_FORCE:W_FORCE + 2, j)
                moment = moment + wrench(W_MOMENT2:W_MOMENT2 + 2, j)
+               if (stiff) s = s + wrench(W_KN2, j)
                if (stiff) r = r + wrench(W_KR2, j)
             end if
          end do

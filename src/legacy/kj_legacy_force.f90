@@ -5,16 +5,14 @@
 module kj_legacy_force
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t
-   use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_FIRST, FRAME_CROSS, FRAME_LINE
-   use kj_joint_batch, only: joint_batch_t, is_spring, KJOINT2, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_block, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross, &
-      line_axes
+   use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_CROSS
+   use kj_joint_batch, only: joint_batch_t, KJOINT2, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
+   use kj_block, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross
    use kj_nodal_stiffness, only: step_stiffness
-   use kj_lead_map, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN, W_KR1, W_KR2
+   use kj_lead_map, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN1, W_KN2, W_KR1, W_KR2
    use kj_legacy_joint, only: legacy_block_t, legacy_joint_t
    use kj_legacy_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve
    use kj_legacy_limits, only: limited_laws
-   use kj_legacy_spring, only: spring_laws, couple_shares
    implicit none
    private
 
@@ -67,7 +65,7 @@ contains
       integer :: i, j, k
 
       associate (state => joint%block(at))
-         idle = batch%law == 0 .and. .not. (batch%limited .or. is_spring(batch))
+         idle = batch%law == 0 .and. .not. batch%limited
          call move_frames(batch, world, h, from, n, state, e, xl, turn)
          do k = 1, 3
             do i = 1, n
@@ -85,8 +83,6 @@ contains
          if (batch%limited) then
             call limited_laws(batch, curves, world%time, world%h12, from, n, q, qdot, state, &
                joint%limit(at), f)
-         else if (is_spring(batch)) then
-            call spring_laws(batch, curves, from, n, q, qdot, f)
          else
             call laws(batch, curves, from, n, q, qdot, state, f)
          end if
@@ -141,9 +137,7 @@ contains
             end do
          end if
          call cross_frames(n, a, b, e, dual)
-      case (FRAME_LINE)
-         call line_axes(n, r, e)
-      case default   ! FRAME_FIRST, and the other skews of springs
+      case default   ! FRAME_FIRST
          do k = 1, 9
             e(:n, k) = world%skew(batch%skew(from:from + n - 1, 1), k)
          end do
@@ -234,8 +228,7 @@ contains
 
    !> Force and moments on the leads, and the stiffness they feel.
    !>
-   !>   F = E f,  c = 1/2 XL x f,  moment at node 1: E (m + c), at node 2: -E (m - c);
-   !> springs share the couple otherwise, and count once in the stiffness, not twice
+   !>   F = E f,  c = 1/2 XL x f,  moment at node 1: E (m + c), at node 2: -E (m - c)
    pure subroutine put_wrench(batch, world, from, n, state, e, xl, f, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
@@ -245,17 +238,15 @@ contains
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: force(BLOCK, 3), m(BLOCK, 3), m1(BLOCK, 3), m2(BLOCK, 3)
-      real(wp) :: arm1(BLOCK, 3), arm2(BLOCK, 3), st, lever, part(2), times
+      real(wp) :: arm1(BLOCK, 3), arm2(BLOCK, 3), st, lever
       integer :: i, j, k
 
-      part = couple_shares(batch)
-      times = merge(1.0_wp, 2.0_wp, is_spring(batch))
       call to_world(n, e, f(:, 1:3), force)
       m(:n, :) = f(:n, 4:6)
-      call add_cross(n, part(1), xl, f(:, 1:3), m)
+      call add_cross(n, 0.5_wp, xl, f(:, 1:3), m)
       call to_world(n, e, m, m1)
       m(:n, :) = -f(:n, 4:6)
-      call add_cross(n, part(2), xl, f(:, 1:3), m)
+      call add_cross(n, 0.5_wp, xl, f(:, 1:3), m)
       call to_world(n, e, m, m2)
       do k = 1, 3
          do i = 1, n
@@ -272,9 +263,10 @@ contains
          wrench(W_FORCE:W_FORCE + 2, i) = force(i, :)
          wrench(W_MOMENT1:W_MOMENT1 + 2, i) = m1(i, :)
          wrench(W_MOMENT2:W_MOMENT2 + 2, i) = m2(i, :)
-         wrench(W_KN, i) = times*st
-         wrench(W_KR1, i) = lever + times*st*(arm1(i, 1)**2 + arm1(i, 2)**2 + arm1(i, 3)**2)
-         wrench(W_KR2, i) = lever + times*st*(arm2(i, 1)**2 + arm2(i, 2)**2 + arm2(i, 3)**2)
+         wrench(W_KN1, i) = 2.0_wp*st
+         wrench(W_KN2, i) = 2.0_wp*st
+         wrench(W_KR1, i) = lever + 2.0_wp*st*(arm1(i, 1)**2 + arm1(i, 2)**2 + arm1(i, 3)**2)
+         wrench(W_KR2, i) = lever + 2.0_wp*st*(arm2(i, 1)**2 + arm2(i, 2)**2 + arm2(i, 3)**2)
       end do
    end subroutine put_wrench
 

@@ -3,9 +3,10 @@ module kj_legacy_joint
    use, intrinsic :: iso_c_binding, only: c_loc
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: joint_batch_t, DOF_FREE, DOF_BLOCKED
+   use kj_joint_batch, only: joint_batch_t, is_spring, DOF_FREE, DOF_BLOCKED
    use kj_block, only: BLOCK, block_of, lane_of, rows_at
    use kj_nodal_stiffness, only: start_stiffness
+   use kj_spring_law, only: spring_block_t, WAITING, ALIVE
    implicit none
    private
 
@@ -39,11 +40,12 @@ module kj_legacy_joint
    type :: legacy_joint_t
       type(legacy_block_t), allocatable :: block(:)
       type(legacy_limit_t), allocatable :: limit(:)   !! of limited batches only
+      type(spring_block_t), allocatable :: spring(:)  !! of springs only
    end type legacy_joint_t
 
    !> A block as (BLOCK, fields)
    interface rows_of
-      module procedure rows_of_block, rows_of_limits
+      module procedure rows_of_block, rows_of_limits, rows_of_springs
    end interface rows_of
 
 contains
@@ -62,6 +64,13 @@ contains
       call rows_at(c_loc(state), storage_size(state), row)
    end subroutine rows_of_limits
 
+   subroutine rows_of_springs(state, row)
+      type(spring_block_t), target, intent(in) :: state
+      real(wp), pointer, intent(out) :: row(:, :)
+
+      call rows_at(c_loc(state), storage_size(state), row)
+   end subroutine rows_of_springs
+
    !> State at the start: initial frames and angles, stiffness of the time step
    pure subroutine new_legacy_joint(batch, joint)
       type(joint_batch_t), intent(in) :: batch
@@ -73,6 +82,7 @@ contains
       associate (blocks => (batch%n + BLOCK - 1)/BLOCK)
          allocate (joint%block(blocks))
          if (batch%limited) allocate (joint%limit(blocks))
+         if (is_spring(batch)) allocate (joint%spring(blocks))
       end associate
       call start_stiffness(batch, stiff)
       do i = 1, batch%n
@@ -81,6 +91,8 @@ contains
          joint%block(at)%e(lane, :) = batch%frame0(i, :)
          joint%block(at)%q(lane, 4:6) = batch%angle0(i, :)
          joint%block(at)%stiff(lane, :) = stiff(i, :)
+         if (is_spring(batch)) joint%spring(at)%alive(lane) = merge(WAITING, ALIVE, &
+            batch%spring(i)%sensed .and. batch%spring(i)%flag /= 1)
          if (.not. batch%limited) cycle
          joint%limit(at)%k_block(lane, :) = batch%limit%k_block(i, :)
          do dof = 1, NDOF

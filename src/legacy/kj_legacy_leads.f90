@@ -8,7 +8,7 @@ module kj_legacy_leads
    use kj_block, only: BLOCK
    use kj_model, only: model_t
    use kj_legacy_state, only: legacy_state_t, EPS20
-   use kj_lead_map, only: gather_wrenches
+   use kj_lead_map, only: gather_wrenches, W_FORCE, W_MOMENT1, W_MOMENT2
    use kj_legacy_load, only: is_loaded
    use kj_gravity, only: add_accelerations
    use kj_legacy_body, only: turn_bodies, linear_accelerations
@@ -161,6 +161,7 @@ contains
       do from = lo, last, BLOCK
          to = min(from + BLOCK - 1, last)
          call add_impulses(from, to, load%f(from - lo + 1:, :), load%m(from - lo + 1:, :), state)
+         if (any(state%sprung(from:to))) call take_back(model, from, to, state)
          call add_own(model, from, to, load%f(from - lo + 1:, :), load%m(from - lo + 1:, :), state)
          call turn_bodies(from, to, load%m(from - lo + 1:, :), state, state%fastest(piece))
       end do
@@ -185,6 +186,33 @@ contains
          state%angular_impulse(lo:hi, k) = state%angular_impulse(lo:hi, k) + state%h1*m(lo:hi, k)
       end do
    end subroutine add_impulses
+
+   !> Forces of springs on main nodes of bodies lo..hi are no part of the sums over time
+   pure subroutine take_back(model, lo, hi, state)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: lo, hi
+      type(legacy_state_t), intent(inout) :: state
+
+      real(wp) :: f(3), m(3)
+      integer :: b, i, j, e
+
+      do b = lo, hi
+         if (.not. state%sprung(b)) cycle
+         f = 0.0_wp
+         m = 0.0_wp
+         do i = model%map%first(b), model%map%first(b + 1) - 1
+            j = abs(model%map%joint(i))
+            e = merge(1, 2, model%map%joint(i) > 0)
+            if (.not. state%on_main(e, j)) cycle
+            if (e == 1) f = f + state%wrench(W_FORCE:W_FORCE + 2, j)
+            if (e == 2) f = f - state%wrench(W_FORCE:W_FORCE + 2, j)
+            m = m + state%wrench(merge(W_MOMENT1, W_MOMENT2, e == 1): &
+               merge(W_MOMENT1, W_MOMENT2, e == 1) + 2, j)
+         end do
+         state%impulse(b, :) = state%impulse(b, :) - state%h1*f
+         state%angular_impulse(b, :) = state%angular_impulse(b, :) - state%h1*m
+      end do
+   end subroutine take_back
 
    subroutine accelerate_leads(model, piece, load, state)
       type(model_t), intent(in) :: model

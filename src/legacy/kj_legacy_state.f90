@@ -6,6 +6,7 @@ module kj_legacy_state
    use kj_kinds, only: wp
    use kj_team, only: team_t, new_team
    use kj_lead_map, only: N_SUM, N_WRENCH
+   use kj_joint_batch, only: is_spring, SPRING13
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_legacy_force, only: world_t
    use kj_legacy_joint, only: legacy_joint_t, new_legacy_joint
@@ -58,6 +59,11 @@ module kj_legacy_state
       real(wp), allocatable :: f_host(:, :), m_host(:, :)
       real(wp), allocatable :: kn(:), kr(:)                !! (n_lead) time-step stiffness
       real(wp), allocatable :: mass(:), inertia(:)         !! (n_lead) nodal, mass scaling included
+      logical, allocatable :: jointed(:)                   !! (n_lead) carries a joint
+      !> (n_lead) a spring acts on its main node; (2, n_element) that end of it does
+      logical, allocatable :: sprung(:), on_main(:, :)
+      !> nodal step of secondary nodes, which feel no stiffness
+      real(wp) :: idle_limit = huge(1.0_wp)
       !> of each piece of leads, least m/k or I/k_r
       real(wp), allocatable :: least(:)
       integer, allocatable :: least_at(:)                  !! its lead, 0 = none
@@ -102,6 +108,11 @@ contains
       placed = .false.
       placed(model%th_node) = .true.
       placed(model%motion%lead) = .true.
+      do i = 1, size(model%batch)              ! springs that look at the velocities of their nodes
+         if (.not. is_spring(model%batch(i))) cycle
+         if (any(model%batch(i)%spring%balanced) .or. model%batch(i)%kind == SPRING13) &
+            placed([model%batch(i)%node]) = .true.
+      end do
       do i = 1, size(model%cload)
          placed(model%cload(i)%node) = .true.
       end do
@@ -145,6 +156,40 @@ contains
       allocate (crew%few(model%n_lead), source=.false.)
       crew%few(:model%n_body) = model%n_secondary <= 2
    end subroutine list_crew
+
+   !> Ends of springs that are main nodes
+   pure subroutine find_main_ends(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+
+      integer :: b, i, e
+
+      allocate (state%sprung(model%n_lead), state%on_main(2, model%n_element), source=.false.)
+      do b = 1, size(model%batch)
+         if (.not. is_spring(model%batch(b))) cycle
+         do i = 1, model%batch(b)%n
+            do e = 1, 2
+               if (model%batch(b)%node(i, e) > model%n_body) cycle
+               state%on_main(e, model%batch(b)%first + i) = .true.
+               state%sprung(model%batch(b)%node(i, e)) = .true.
+            end do
+         end do
+      end do
+   end subroutine find_main_ends
+
+   !> Nodal step of the secondary nodes that have mass or inertia
+   pure real(wp) function idle_limit(model) result(h)
+      type(model_t), intent(in) :: model
+
+      real(wp) :: least
+
+      associate (m => model%node_mass(model%n_lead + 1:), &
+         inertia => model%node_inertia(model%n_lead + 1:))
+         least = min(minval(m, mask=m > 0.0_wp), minval(inertia, mask=inertia > 0.0_wp))
+      end associate
+      h = huge(1.0_wp)
+      if (least < 1.0_wp) h = model%control%dt_factor*sqrt(2.0_wp*least/EPS20)
+   end function idle_limit
 
    !> State at t = 0, before the first cycle
    subroutine new_legacy_state(model, state)
@@ -194,8 +239,15 @@ contains
       do i = 1, size(model%bcs)
          state%bcs_of(model%bcs(i)%lead) = i
       end do
+      allocate (state%jointed(model%n_lead), source=.false.)
+      do i = 1, model%n_joint
+         state%jointed(model%lead(model%joint(i)%node)) = .true.
+      end do
+      state%idle_limit = idle_limit(model)
+      call find_main_ends(model, state)
       do i = 1, size(state%kept)
-         state%kept(i) = any(state%bcs_of(state%team%lead(1, i):state%team%lead(2, i)) > 0) .or. &
+         state%kept(i) = model%control%joint_step .and. model%n_spring > 0 .or. &
+            any(state%bcs_of(state%team%lead(1, i):state%team%lead(2, i)) > 0) .or. &
             any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])
       end do
       allocate (state%joint(size(model%batch)))

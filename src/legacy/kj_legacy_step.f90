@@ -9,13 +9,15 @@ module kj_legacy_step
    use kj_legacy_state, only: legacy_state_t
    use kj_block, only: BLOCK
    use kj_skew, only: move_skews
+   use kj_joint_batch, only: is_spring
    use kj_legacy_force, only: add_joint_forces
+   use kj_legacy_spring, only: add_spring_forces
    use kj_lead_map, only: sum_hubs
    use kj_legacy_load, only: is_loaded, add_cloads, turn_loads, find_gravity, &
       hold_conditions, impose_motion
    use kj_legacy_leads, only: gather, gather_and_accelerate, accelerate, accelerate_again
    use kj_legacy_body, only: solve_conditioned, move_leads, move_secondaries, check_turns
-   use kj_legacy_time_step, only: choose_step
+   use kj_legacy_time_step, only: choose_step, line_rule
    use kj_legacy_auto_stiffness, only: set_blocking
    use kj_legacy_cost, only: weigh_spins
    implicit none
@@ -178,6 +180,12 @@ contains
       integer, intent(in) :: piece
 
       associate (joint => state%team%joint(:, piece))
+         if (is_spring(model%batch(joint(1)))) then
+            call add_spring_forces(model%batch(joint(1)), model%curves, state%world, state%v, &
+               state%mass, state%inertia, line_rule(model, state), state%h1, state%sampling, &
+               joint(2), joint(3), state%joint(joint(1)), state%wrench)
+            return
+         end if
          call add_joint_forces(model%batch(joint(1)), model%curves, state%world, state%h1, &
             state%sampling, joint(2), joint(3), state%joint(joint(1)), state%wrench)
       end associate

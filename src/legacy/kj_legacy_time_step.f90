@@ -2,13 +2,15 @@
 !> Source: docs/theory/legacy.md 7.
 module kj_legacy_time_step
    use kj_kinds, only: wp
+   use kj_joint_batch, only: SPRING4, is_spring
+   use kj_block, only: block_of, lane_of
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW
-   use kj_snapshot, only: OWNER_NONE, OWNER_NODE, OWNER_BODY
+   use kj_snapshot, only: OWNER_NONE, OWNER_NODE, OWNER_BODY, OWNER_JOINT
    use kj_legacy_state, only: legacy_state_t, NO_LIMIT, GROWTH
    implicit none
    private
 
-   public :: choose_step, least_ratio
+   public :: choose_step, least_ratio, line_rule
 
 contains
 
@@ -21,8 +23,9 @@ contains
 
       limit = NO_LIMIT
       state%owner_kind = OWNER_NONE
+      call limit_springs(model, state, limit)
       if (model%control%nodal_step) then
-         nodal = nodal_limit(model, state)
+         nodal = min(nodal_limit(model, state), state%idle_limit)
          select case (model%control%below_min)
          case (SCALE_MASS)
             if (nodal < model%control%dt_min) then
@@ -36,7 +39,7 @@ contains
          end select
          limit = min(limit, nodal)
       else if (model%control%joint_step) then
-         limit = nodal_limit(model, state)
+         limit = min(limit, nodal_limit(model, state))
       end if
       if (limit >= NO_LIMIT) state%owner_kind = OWNER_NONE
       state%h2 = min(limit, GROWTH*state%h_old, model%control%dt_max)
@@ -65,6 +68,54 @@ contains
       if (state%owner == 0) state%owner_kind = OWNER_NONE
    end function nodal_limit
 
+   !> TYPE4 springs have the step of their element: without /DT/NODA, and where a joint brings the
+   !> nodal step in, in cycle 0 still
+   pure logical function line_rule(model, state)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(in) :: state
+
+      line_rule = model%control%element_step .and. &
+         (state%cycle == 0 .or. .not. model%control%nodal_step)
+   end function line_rule
+
+   !> The steps of springs by themselves, where the nodal step is off: of TYPE4 that of the element;
+   !> of the others it counts if it is longer than what their leads allow
+   pure subroutine limit_springs(model, state, limit)
+      type(model_t), intent(in) :: model
+      type(legacy_state_t), intent(inout) :: state
+      real(wp), intent(inout) :: limit
+
+      real(wp) :: h
+      integer :: b, i
+
+      if (.not. (line_rule(model, state) .or. model%control%joint_step)) return
+      do b = 1, size(model%batch)
+         if (.not. is_spring(model%batch(b))) cycle
+         if (model%batch(b)%kind /= SPRING4 .and. model%control%nodal_step) cycle
+         do i = 1, model%batch(b)%n
+            associate (joint => state%joint(b)%spring(block_of(i)), &
+               lead => model%batch(b)%lead(i, :))
+               h = joint%step(lane_of(i))
+               if (h >= huge(1.0_wp)) cycle
+               h = model%control%dt_factor*h
+               if (model%batch(b)%kind /= SPRING4) h = max(h, min(step_of(lead(1)), &
+                  step_of(lead(2))))
+            end associate
+            limit = min(limit, h)
+         end do
+      end do
+   contains
+      !> What a lead allows
+      pure real(wp) function step_of(lead)
+         integer, intent(in) :: lead
+
+         step_of = 2.0_wp*state%mass(lead)/state%kn(lead)
+         if (state%inertia(lead) > 0.0_wp) step_of = min(step_of, &
+            2.0_wp*state%inertia(lead)/state%kr(lead))
+         step_of = model%control%dt_factor*sqrt(step_of)
+      end function step_of
+   end subroutine limit_springs
+
    !> The least m/k and I/k_r of leads lo..hi, and the first lead that has it (0 = none); the step
    !> of TYPE45 joints is that of the leads that carry them
    pure subroutine least_ratio(model, state, lo, hi, kn, kr, least, at)
@@ -81,7 +132,7 @@ contains
       least = huge(1.0_wp)
       at = 0
       do i = lo, hi
-         if (model%control%joint_step .and. model%map%first(i + 1) == model%map%first(i)) cycle
+         if (model%control%joint_step .and. .not. state%jointed(i)) cycle
          ratio = huge(1.0_wp)
          if (state%mass(i) > 0.0_wp) ratio = state%mass(i)/kn(i)
          if (state%inertia(i) > 0.0_wp) ratio = min(ratio, state%inertia(i)/kr(i))

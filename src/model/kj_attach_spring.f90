@@ -94,8 +94,8 @@ contains
       if (spring%rule == FRAME_APART .and. .not. draft%legacy) call report_row(draft%deck, &
          spring%card, 'n1', SEV_ERROR, 'KJ-9228', 'skew '//str(draft%skews%id(spring%skew(1)))// &
          ' of the spring rides on neither of its ends', 'expected: a node of the body of the skew')
-      if (p%balanced .and. spring%rule == FRAME_FIXED) call report_row(draft%deck, spring%card, &
-         'n1', SEV_ERROR, 'KJ-9227', 'property '//str(p%id)// &
+      if (p%spring%balanced .and. spring%rule == FRAME_FIXED .and. .not. draft%legacy) call &
+         report_row(draft%deck, spring%card, 'n1', SEV_ERROR, 'KJ-9227', 'property '//str(p%id)// &
          ' asks for a couple (Iequil = 1), and the axes of the spring are fixed in space', &
          'a spring with fixed axes')
    end subroutine choose_skew

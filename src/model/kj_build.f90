@@ -2,7 +2,7 @@
 module kj_build
    use kj_kinds, only: wp
    use kj_joint_types, only: FRAME_MEAN, FRAME_CROSS
-   use kj_joint_batch, only: KJOINT2
+   use kj_joint_batch, only: KJOINT, SPRING4
    use kj_keywords, only: KW_TITLE
    use kj_deck_text, only: title_of
    use kj_engine, only: engine_t
@@ -127,8 +127,9 @@ contains
          case ('STOP'); c%below_min = STOP_BELOW
          case default; c%below_min = SCALE_NONE
          end select
-         c%nodal_step = any(model%batch%kind /= KJOINT2) .or. len_trim(engine%noda) > 0
-         c%joint_step = model%n_joint > 0 .and. .not. c%nodal_step
+         c%nodal_step = any(model%batch%kind == KJOINT) .or. len_trim(engine%noda) > 0
+         c%joint_step = any(model%batch%kind /= SPRING4) .and. .not. c%nodal_step
+         c%element_step = len_trim(engine%noda) == 0
          if (.not. engine%has_dtix) return
          c%dt_ini = engine%dtix_ini
          if (engine%dtix_max > 0.0_wp) c%dt_max = engine%dtix_max

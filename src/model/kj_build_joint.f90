@@ -7,6 +7,7 @@ module kj_build_joint
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: KJOINT, KJOINT2, SPRING4, SPRING8, LAW_SPRING, LAW_DAMPER, &
       LAW_SPRING_CURVE, LAW_DAMPER_CURVE, joint_batch_t, limits_t, new_batch, new_limits, is_spring
+   use kj_spring_law, only: spring_t
    use kj_deck_text, only: title_of
    use kj_cards, only: cards_t, read_cards, report_row, card_row_t
    use kj_draft, only: draft_t, property_t, joint_t
@@ -244,6 +245,7 @@ contains
       do j = 1, size(joint)
          associate (p => property(joint(j)%property))
             mine = [p%row, p%frame, p%kind, merge(1, 0, p%limited), joint(j)%law]
+            if (allocated(p%spring)) mine(4) = merge(2, 0, p%spring%hardened)
             if (joint(j)%rule > 0) mine(2) = joint(j)%rule
          end associate
          do b = 1, n
@@ -266,6 +268,7 @@ contains
          model%batch(b)%kind = key(3, b)
          model%batch(b)%law = key(5:, b)
          if (key(4, b) == 1) call new_limits(model%batch(b))
+         if (is_spring(model%batch(b))) allocate (model%batch(b)%spring(count_of(b)))
       end do
       count_of(:n) = 0
       do j = 1, size(joint)
@@ -273,6 +276,8 @@ contains
          count_of(b) = count_of(b) + 1
          call put_joint(property(joint(j)%property), joint(j), model%lead, count_of(b), &
             model%batch(b))
+         if (is_spring(model%batch(b))) call put_spring(model, property(joint(j)%property)%spring, &
+            joint(j)%node, model%batch(b)%spring(count_of(b)))
          ends(:, model%batch(b)%first + count_of(b)) = model%lead(joint(j)%node)
          model%joint(j)%batch = b
          model%joint(j)%place = count_of(b)
@@ -318,6 +323,18 @@ contains
       end if
       if (batch%limited) call put_limits(p, joint, i, batch%limit)
    end subroutine put_joint
+
+   !> Constants of a spring, with the own masses of its ends
+   pure subroutine put_spring(model, property, node, spring)
+      type(model_t), intent(in) :: model
+      type(spring_t), intent(in) :: property
+      integer, intent(in) :: node(2)
+      type(spring_t), intent(out) :: spring
+
+      spring = property
+      spring%node_mass = model%node_mass(node)
+      spring%node_inertia = model%node_inertia(node)
+   end subroutine put_spring
 
    pure subroutine put_limits(p, joint, i, limit)
       type(property_t), intent(in) :: p

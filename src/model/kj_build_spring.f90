@@ -1,15 +1,17 @@
 !> Cards -> properties of springs, /PROP/TYPE4 and /PROP/TYPE8, and their mass on the nodes.
-!>
-!> What is supported is elastic: force = K q, or A f1(q/Ascale), plus C q' + Hscale f4(q'/F).
 !> Source: docs/theory/deck.md 5.3 and 5.4.
+!> One file: what a direction says is read once, for laws, step and failure alike.
 module kj_build_spring
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_units, only: dimensions, D_LENGTH, D_NUMBER, D_FORCE, D_MOMENT, D_VELOCITY, &
-      D_ANGULAR_VELOCITY
-   use kj_curve, only: add_curve
+      D_ANGULAR_VELOCITY, D_ENERGY
+   use kj_sort, only: find
+   use kj_curve, only: add_curve, steepest_rise
    use kj_joint_types, only: ROW_FREE, NDOF, DOF_NAME, FRAME_FIXED, FRAME_LINE
    use kj_joint_batch, only: SPRING4, SPRING8
+   use kj_spring_law, only: direction_t, spring_t, ELASTIC, UNCOUPLED, KINEMATIC, NONLINEAR, &
+      ISOTROPIC_CURVES, HYSTERETIC, TOTAL_LENGTH, BY_WAY, BY_FORCE, BY_ENERGY, NO_FAILURE
    use kj_keywords, only: KW_SPRING4, KW_SPRING8
    use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, is_given, report
@@ -19,8 +21,6 @@ module kj_build_spring
    private
 
    public :: build_spring_properties
-
-   real(wp), parameter :: NO_FAILURE = 1.0e29_wp !! a limit beyond it is none
 
 contains
 
@@ -47,6 +47,7 @@ contains
    subroutine add_masses(draft)
       type(draft_t), intent(inout) :: draft
 
+      real(wp) :: length
       integer :: i, e, before, place
 
       before = size(draft%property_block) - size(draft%properties)
@@ -54,13 +55,15 @@ contains
          if (draft%elements%part(i) == 0) cycle
          place = draft%part_property(draft%elements%part(i)) - before
          if (place < 1) cycle
-         do e = 1, 2
-            associate (node => draft%elements%node(e, i), p => draft%properties(place))
-               if (node == 0) cycle
-               draft%mass(node) = draft%mass(node) + 0.5_wp*p%mass
-               draft%inertia(node) = draft%inertia(node) + 0.5_wp*p%inertia
-            end associate
-         end do
+         associate (node => draft%elements%node(:, i), spring => draft%properties(place)%spring)
+            if (any(node == 0)) cycle
+            length = 1.0_wp
+            if (spring%per_length) length = norm2(draft%x(node(2), :) - draft%x(node(1), :))
+            do e = 1, 2
+               draft%mass(node(e)) = draft%mass(node(e)) + 0.5_wp*length*spring%mass
+               draft%inertia(node(e)) = draft%inertia(node(e)) + 0.5_wp*length*spring%inertia
+            end do
+         end associate
       end do
    end subroutine add_masses
 
@@ -76,43 +79,79 @@ contains
 
       p%id = draft%deck%block(cards%block)%id
       p%row = ROW_FREE
-      p%mass = real_of(cards, 'Mass')
-      if (keyword == KW_SPRING4) then
-         p%kind = SPRING4
-         p%frame = FRAME_LINE
-         if (.not. p%mass > 1.0e-15_wp) call report(draft%deck, cards, 'Mass', SEV_ERROR, &
-            'KJ-0229', 'the spring has no mass', 'expected: more than 1e-15')
-      else
-         p%kind = SPRING8
-         p%frame = FRAME_FIXED
-         if (p%mass < 0.0_wp) call report(draft%deck, cards, 'Mass', SEV_ERROR, 'KJ-0229', &
+      allocate (p%spring)
+      associate (spring => p%spring)
+         spring%mass = real_of(cards, 'Mass')
+         if (keyword == KW_SPRING4) then
+            p%kind = SPRING4
+            p%frame = FRAME_LINE
+            if (.not. spring%mass > 1.0e-15_wp) call report(draft%deck, cards, 'Mass', SEV_ERROR, &
+               'KJ-0229', 'the spring has no mass', 'expected: more than 1e-15')
+            spring%per_length = int_of(cards, 'Ileng') == 1
+         else
+            call read_six(draft, cards, p)
+         end if
+         call read_sensor(draft, cards, spring)
+         if (keyword == KW_SPRING4) call read_law(draft, cards, 1, '', p)
+         do dof = 1, merge(0, NDOF, keyword == KW_SPRING4)
+            call read_law(draft, cards, dof, '_'//DOF_NAME(dof), p)
+         end do
+         spring%hardened = spring%hardened .or. spring%sensed .or. spring%per_length
+         if (spring%hardened .and. .not. draft%legacy) call report(draft%deck, cards, 'Mass', &
+            SEV_ERROR, 'KJ-9222', 'springs with hardening, rates, failure or a sensor run '// &
+            'under the legacy formulation only', 'expected: an elastic spring', hint='run --legacy')
+      end associate
+   end subroutine read_spring
+
+   !> What a spring of type 8 has beside its laws
+   subroutine read_six(draft, cards, p)
+      type(draft_t), intent(inout) :: draft
+      type(cards_t), intent(in) :: cards
+      type(property_t), intent(inout) :: p
+
+      p%kind = SPRING8
+      p%frame = FRAME_FIXED
+      associate (spring => p%spring)
+         if (spring%mass < 0.0_wp) call report(draft%deck, cards, 'Mass', SEV_ERROR, 'KJ-0229', &
             'the mass of the spring is negative', 'expected: 0 or more')
-         p%inertia = real_of(cards, 'Inertia')
-         if (p%inertia <= 1.0e-20_wp) then
+         spring%inertia = real_of(cards, 'Inertia')
+         if (spring%inertia <= 1.0e-20_wp) then
             call report(draft%deck, cards, 'Inertia', SEV_WARNING, 'KJ-0445', &
                'the spring has no inertia: 1e-20 is taken', 'expected: a small inertia')
-            p%inertia = 1.0e-20_wp
+            spring%inertia = 1.0e-20_wp
          end if
          p%skew(1) = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
-         p%balanced = int_of(cards, 'Iequil') == 1
-      end if
-      if (int_of(cards, 'sens_id') /= 0) then
-         call report(draft%deck, cards, 'sens_id', SEV_ERROR, 'KJ-9220', &
-            'springs that a sensor switches are not supported', 'expected: 0')
-      else if (int_of(cards, 'Isflag') /= 0) then
+         spring%balanced = int_of(cards, 'Iequil') == 1
+         spring%summed = int_of(cards, 'Ifail') == 1
+         if (any(int_of(cards, 'Ifail2') == [BY_FORCE, BY_ENERGY])) &
+            spring%criterion = int_of(cards, 'Ifail2')
+         if (int_of(cards, 'Fsmooth') == 0) return
+         spring%cutoff = real_of(cards, 'Fcut')
+         if (abs(spring%cutoff) <= 0.0_wp) spring%cutoff = 1.0e30_wp
+      end associate
+   end subroutine read_six
+
+   !> The sensor that switches a spring, and how
+   subroutine read_sensor(draft, cards, spring)
+      type(draft_t), intent(inout) :: draft
+      type(cards_t), intent(in) :: cards
+      type(spring_t), intent(inout) :: spring
+
+      integer :: sensor
+
+      sensor = reference(draft%deck, cards, 'sens_id', draft%sensor, 'sensor', 'KJ-0521')
+      spring%sensed = sensor > 0
+      spring%flag = int_of(cards, 'Isflag')
+      if (spring%sensed) then
+         spring%t_on = draft%sensors(sensor)%t_start
+         spring%t_off = draft%sensors(sensor)%t_stop
+         if (.not. any(spring%flag == [0, 1, 2])) call report(draft%deck, cards, 'Isflag', &
+            SEV_ERROR, 'KJ-9220', 'Isflag is not 0, 1 or 2', 'expected: 0, 1 or 2')
+      else if (spring%flag /= 0) then
          call report(draft%deck, cards, 'Isflag', SEV_WARNING, 'KJ-9225', &
             'Isflag has no effect without a sensor', 'sens_id is 0')
       end if
-      if (int_of(cards, 'Ileng') /= 0) call report(draft%deck, cards, 'Ileng', SEV_ERROR, &
-         'KJ-9223', 'springs with laws per unit of length are not supported', 'expected: 0', &
-         hint='give mass, stiffness and damping of the spring as it is')
-      if (int_of(cards, 'Fsmooth') /= 0) call report(draft%deck, cards, 'Fsmooth', SEV_ERROR, &
-         'KJ-9226', 'springs with filtered rates are not supported', 'expected: 0')
-      if (keyword == KW_SPRING4) call read_law(draft, cards, 1, '', p)
-      do dof = 1, merge(0, NDOF, keyword == KW_SPRING4)
-         call read_law(draft, cards, dof, '_'//DOF_NAME(dof), p)
-      end do
-   end subroutine read_spring
+   end subroutine read_sensor
 
    !> Law of one direction; its fields end in `suffix`
    subroutine read_law(draft, cards, dof, suffix, p)
@@ -127,21 +166,42 @@ contains
       factor = block_factors(draft%deck, cards%block)
       unit = factor([D_LENGTH, D_VELOCITY, D_FORCE])
       if (dof > 3) unit = factor([D_NUMBER, D_ANGULAR_VELOCITY, D_MOMENT])
-      p%k(dof) = real_of(cards, 'K'//suffix)
-      p%c(dof) = real_of(cards, 'C'//suffix)
-      p%k_curve(dof) = reference(draft%deck, cards, 'fct1'//suffix, draft%curve, 'function', &
-         'KJ-0127')
-      p%c_curve(dof) = reference(draft%deck, cards, 'fct4'//suffix, draft%curve, 'function', &
-         'KJ-0127')
-      call check_rule(draft%deck, cards, suffix)
-      call check_options(draft, cards, suffix)
-      if (p%k_curve(dof) > 0) then
-         p%k(dof) = or_unit('A', unit(3))
-         call convert_abscissae(draft, or_unit('Ascale', unit(1)), p%k_curve(dof))
-      end if
-      if (p%c_curve(dof) > 0) call join_dampers(draft, or_unit('Hscale', unit(3)), &
-         or_unit('F', unit(2)), p%c(dof), p%c_curve(dof))
+      if (p%spring%per_length) unit(1) = 1.0_wp
+      associate (law => p%spring%dof(dof))
+         law%load = curve_of('fct1')
+         law%rate = curve_of('fct2')
+         law%unload = curve_of('fct3')
+         law%damper = curve_of('fct4')
+         law%k = real_of(cards, 'K'//suffix)
+         law%c = real_of(cards, 'C'//suffix)
+         law%x_scale = or_unit('Ascale', unit(1))
+         law%h = or_unit('Hscale', unit(3))
+         law%f = 1.0_wp/or_unit('F', unit(2))
+         law%d = or_unit('D', unit(2))
+         if (law%load > 0) then
+            law%a = or_unit('A', unit(3))
+            law%b = real_of(cards, 'B'//suffix)
+            if (law%rate > 0) law%e = or_unit('E', unit(3))
+         else
+            law%rate = 0
+         end if
+         call check_rule(draft, cards, suffix, p%kind, law)
+         call check_options(draft%deck, cards, suffix, law)
+         call read_elastic(draft, law, p%k(dof), p%k_curve(dof), p%c(dof), p%c_curve(dof))
+         if (draft%legacy .and. p%kind == SPRING4 .and. law%unload > 0) &
+            law%f = real(rank_of(int_of(cards, 'fct3')), wp) + real(0.1, wp)
+         call find_stiffness(draft, law)
+         call read_failure(cards, suffix, factor, unit(1), dof, p%spring)
+         p%spring%hardened = p%spring%hardened .or. law%rule /= ELASTIC .or. law%rate > 0 .or. &
+            abs(law%b) > 0.0_wp .or. law%hi < NO_FAILURE .or. law%lo > -NO_FAILURE
+      end associate
    contains
+      integer function curve_of(name) result(curve)
+         character(len=*), intent(in) :: name
+
+         curve = reference(draft%deck, cards, name//suffix, draft%curve, 'function', 'KJ-0127')
+      end function curve_of
+
       !> Value of a scale; 0 means 1 in the units of the block
       real(wp) function or_unit(name, one) result(scale)
          character(len=*), intent(in) :: name
@@ -149,12 +209,91 @@ contains
 
          scale = real_of(cards, name//suffix)
          if (abs(scale) <= 0.0_wp) scale = one
-         if (scale > 0.0_wp .or. name == 'A' .or. name == 'Hscale') return
+         if (scale > 0.0_wp .or. any(name == ['A     ', 'D     ', 'E     ', 'Hscale'])) return
          call report(draft%deck, cards, name//suffix, SEV_ERROR, 'KJ-9230', &
             'the scale of the abscissa of a function is negative', 'expected: a positive number')
          scale = one
       end function or_unit
+
+      !> Legacy quirk: the place of fct3 among all functions stands where 1/F should
+      integer function rank_of(id) result(rank)
+         integer, intent(in) :: id
+
+         rank = count(draft%curve%id <= id)
+      end function rank_of
    end subroutine read_law
+
+   !> Stiffness that unloading has, and what the legacy time step sees
+   pure subroutine find_stiffness(draft, law)
+      type(draft_t), intent(in) :: draft
+      type(direction_t), intent(inout) :: law
+
+      if (law%load > 0) then
+         law%k = law%k/law%a
+         law%k_unload = max(law%k, steepest_rise(draft%curves, law%load)/law%x_scale)
+      else
+         law%k_unload = law%k
+      end if
+      law%k_step = law%a*law%k_unload
+      law%c_step = law%c
+      if (law%damper > 0) law%c_step = law%c + &
+         max(0.0_wp, steepest_rise_of(law%h*law%f))
+   contains
+      !> Steepest rise of the damper, scaled
+      pure real(wp) function steepest_rise_of(scale) result(slope)
+         real(wp), intent(in) :: scale
+
+         integer :: i
+
+         slope = 0.0_wp
+         associate (set => draft%curves)
+            do i = set%first(law%damper), set%first(law%damper + 1) - 2
+               slope = max(slope, scale*(set%y(i + 1) - set%y(i))/(set%x(i + 1) - set%x(i)))
+            end do
+         end associate
+      end function steepest_rise_of
+   end subroutine find_stiffness
+
+   !> Stiffness, damping and their curves of an elastic law, as joints have them
+   subroutine read_elastic(draft, law, k, k_curve, c, c_curve)
+      type(draft_t), intent(inout) :: draft
+      type(direction_t), intent(in) :: law
+      real(wp), intent(inout) :: k, c
+      integer, intent(inout) :: k_curve, c_curve
+
+      k = law%k
+      c = law%c
+      k_curve = law%load
+      c_curve = law%damper
+      if (k_curve > 0) then
+         k = law%a
+         call convert_abscissae(draft, law%x_scale, k_curve)
+      end if
+      if (c_curve > 0) call join_dampers(draft, law%h, 1.0_wp/law%f, c, c_curve)
+   end subroutine read_elastic
+
+   !> Limits of failure: delta times Ascale where it is a way, else a force or an energy
+   subroutine read_failure(cards, suffix, factor, unit, dof, spring)
+      type(cards_t), intent(in) :: cards
+      character(len=*), intent(in) :: suffix
+      real(wp), intent(in) :: factor(:), unit    !! of the block; of its lengths, 1 for angles
+      integer, intent(in) :: dof
+      type(spring_t), intent(inout) :: spring
+
+      real(wp) :: scale
+
+      associate (law => spring%dof(dof))
+         scale = law%x_scale/unit
+         if (spring%criterion == BY_FORCE) scale = factor(merge(D_FORCE, D_MOMENT, dof <= 3))/ &
+            factor(merge(D_LENGTH, D_NUMBER, dof <= 3))
+         if (spring%criterion == BY_ENERGY) scale = factor(D_ENERGY)/ &
+            factor(merge(D_LENGTH, D_NUMBER, dof <= 3))
+         if (abs(real_of(cards, 'delta_min'//suffix)) > 0.0_wp) &
+            law%lo = max(law%lo, scale*real_of(cards, 'delta_min'//suffix))
+         if (abs(real_of(cards, 'delta_max'//suffix)) > 0.0_wp) &
+            law%hi = min(law%hi, scale*real_of(cards, 'delta_max'//suffix))
+      end associate
+   end subroutine read_failure
 
    !> One curve for the linear and the tabulated damper: C v + Hscale f4(v/F)
    subroutine join_dampers(draft, y_scale, x_scale, c, curve)
@@ -181,68 +320,71 @@ contains
       c = 1.0_wp
    end subroutine join_dampers
 
-   !> The hardening rule H: what Radioss refuses, then what is not supported here
-   subroutine check_rule(deck, cards, suffix)
-      type(deck_t), intent(inout) :: deck
+   !> The hardening rule H
+   subroutine check_rule(draft, cards, suffix, kind, law)
+      type(draft_t), intent(inout) :: draft
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: suffix
+      integer, intent(in) :: kind
+      type(direction_t), intent(inout) :: law
 
       integer :: rule
       logical :: load, unload
 
       rule = int_of(cards, 'H'//suffix)
-      if (rule == 0) return
       load = int_of(cards, 'fct1'//suffix) /= 0
       unload = int_of(cards, 'fct3'//suffix) /= 0
-      if (rule == 4 .and. abs(real_of(cards, 'K'//suffix)) <= 0.0_wp) call report(deck, cards, &
-         'K'//suffix, SEV_ERROR, 'KJ-0230', 'H = 4 needs a stiffness', &
-         'expected: a positive stiffness')
-      if (any(rule == [4, 5, 8]) .and. .not. load) then
-         call report(deck, cards, 'fct1'//suffix, SEV_ERROR, 'KJ-0231', 'H = '//str(rule)// &
-            ' needs a function', 'expected: id of a function')
-      else if (rule == 6 .and. .not. (load .and. unload)) then
-         call report(deck, cards, 'fct3'//suffix, SEV_ERROR, 'KJ-1057', &
-            'H = 6 needs functions of loading and unloading', 'expected: fct1 and fct3')
-      else if (rule == 7 .and. .not. load) then
-         call report(deck, cards, 'fct1'//suffix, SEV_ERROR, 'KJ-1058', &
-            'H = 7 needs a function of loading', 'expected: id of a function')
-      else if (.not. load .and. rule > 0 .and. rule <= 2) then
-         call report(deck, cards, 'H'//suffix, SEV_WARNING, 'KJ-9225', &
-            'the hardening rule has no effect without fct1', 'fct1 is 0')
-      else
-         call report(deck, cards, 'H'//suffix, SEV_ERROR, 'KJ-9222', 'springs with H = '// &
-            str(rule)//' are not supported', 'expected: 0, elastic')
+      if (.not. any(rule == [0, 1, 2, 4, 5, 6, 7, 8]) .or. rule == 8 .and. kind /= SPRING4) then
+         call report(draft%deck, cards, 'H'//suffix, SEV_ERROR, 'KJ-9221', &
+            'there is no hardening rule H = '//str(rule)//' here', &
+            'expected: 0, 1, 2, 4, 5, 6, 7, of type 4 also 8')
+         return
       end if
+      if (rule == KINEMATIC .and. abs(real_of(cards, 'K'//suffix)) <= 0.0_wp) &
+         call report(draft%deck, cards, 'K'//suffix, SEV_ERROR, 'KJ-0230', &
+         'H = 4 needs a stiffness', 'expected: a positive stiffness')
+      if (any(rule == [KINEMATIC, NONLINEAR, TOTAL_LENGTH]) .and. .not. load) then
+         call need('fct1', 'KJ-0231', 'a function')
+      else if (any(rule == [KINEMATIC, NONLINEAR]) .and. .not. unload) then
+         call need('fct3', 'KJ-0231', 'a function of unloading')
+      else if (rule == ISOTROPIC_CURVES .and. .not. (load .and. unload)) then
+         call need('fct3', 'KJ-1057', 'functions of loading and unloading')
+      else if (rule == HYSTERETIC .and. .not. load) then
+         call need('fct1', 'KJ-1058', 'a function of loading')
+      else if (rule == HYSTERETIC .and. .not. unload) then
+         call report(draft%deck, cards, 'fct3'//suffix, SEV_WARNING, 'KJ-1059', &
+            'H = 7 without a function of unloading is H = 2', 'fct3 is 0')
+         rule = UNCOUPLED
+      else if (.not. load .and. rule > 0) then
+         call report(draft%deck, cards, 'H'//suffix, SEV_WARNING, 'KJ-9225', &
+            'the hardening rule has no effect without fct1', 'fct1 is 0')
+      end if
+      if (load) law%rule = rule
+   contains
+      subroutine need(field, id, what)
+         character(len=*), intent(in) :: field, id, what
+
+         call report(draft%deck, cards, field//suffix, SEV_ERROR, id, 'H = '//str(rule)// &
+            ' needs '//what, 'expected: id of a function')
+      end subroutine need
    end subroutine check_rule
 
-   !> Options that are not supported, and those without effect
-   subroutine check_options(draft, cards, suffix)
+   !> Options without effect
+   subroutine check_options(deck, cards, suffix, law)
+      type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: suffix
-      type(draft_t), intent(inout) :: draft
+      type(direction_t), intent(in) :: law
 
-      character(len=9), parameter :: LIMIT(2) = ['delta_min', 'delta_max']
-      integer :: i, place
       logical :: load
 
-      do i = 1, 2
-         associate (value => abs(real_of(cards, LIMIT(i)//suffix)))
-            if (value > 0.0_wp .and. value < NO_FAILURE) call report(draft%deck, cards, &
-               LIMIT(i)//suffix, SEV_ERROR, 'KJ-9221', 'springs that fail are not supported', &
-               'expected: 0')
-         end associate
-      end do
       load = int_of(cards, 'fct1'//suffix) /= 0
-      if (is_set('A') .and. .not. load) call report(draft%deck, cards, 'A'//suffix, SEV_WARNING, &
+      if (is_set('A') .and. .not. load) call report(deck, cards, 'A'//suffix, SEV_WARNING, &
          'KJ-0663', 'A has no effect without a function', 'fct1 is 0')
-      place = reference(draft%deck, cards, 'fct2'//suffix, draft%curve, 'function', 'KJ-0127')
-      place = reference(draft%deck, cards, 'fct3'//suffix, draft%curve, 'function', 'KJ-0127')
-      if (load .and. is_set('B')) call refuse_rate('B')
-      if (load .and. int_of(cards, 'fct2'//suffix) /= 0) call refuse_rate('fct2')
       if (.not. load .and. is_set('B')) call warn('B', 'fct1 is 0')
       if (.not. load .and. int_of(cards, 'fct2'//suffix) /= 0) call warn('fct2', 'fct1 is 0')
-      if (int_of(cards, 'H'//suffix) == 0 .and. int_of(cards, 'fct3'//suffix) /= 0) &
-         call warn('fct3', 'H is 0')
+      if (all(law%rule /= [KINEMATIC, NONLINEAR, ISOTROPIC_CURVES, HYSTERETIC]) .and. &
+         int_of(cards, 'fct3'//suffix) /= 0) call warn('fct3', 'H does not unload by a function')
       if (is_set('Hscale') .and. int_of(cards, 'fct4'//suffix) == 0) &
          call warn('Hscale', 'fct4 is 0')
    contains
@@ -252,18 +394,10 @@ contains
          is_set = is_given(cards, name//suffix) .and. abs(real_of(cards, name//suffix)) > 0.0_wp
       end function is_set
 
-      subroutine refuse_rate(name)
-         character(len=*), intent(in) :: name
-
-         call report(draft%deck, cards, name//suffix, SEV_ERROR, 'KJ-9224', &
-            'an elastic force that depends on the rate is not supported', 'expected: 0', &
-            hint='damping of its own is C, or Hscale with fct4')
-      end subroutine refuse_rate
-
       subroutine warn(name, label)
          character(len=*), intent(in) :: name, label
 
-         call report(draft%deck, cards, name//suffix, SEV_WARNING, 'KJ-9225', name// &
+         call report(deck, cards, name//suffix, SEV_WARNING, 'KJ-9225', name// &
             ' of the spring has no effect', label)
       end subroutine warn
    end subroutine check_options

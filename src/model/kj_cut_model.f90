@@ -230,6 +230,7 @@ contains
       part%k_top = old%k_top(rows, :)
       part%c_top = old%c_top(rows, :)
       part%angle0 = old%angle0(rows, :)
+      if (allocated(old%spring)) part%spring = old%spring(rows)
       if (old%limited) call cut_limits(old%limit, rows, part%limit)
    end subroutine cut_batch
 

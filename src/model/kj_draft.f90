@@ -11,6 +11,7 @@ module kj_draft
    use kj_model, only: skew_set_t
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: KJOINT
+   use kj_spring_law, only: spring_t
    implicit none
    private
 
@@ -42,7 +43,7 @@ module kj_draft
    !> A /PROP/KJOINT or /PROP/KJOINT2, checked; in work units
    type :: property_t
       integer :: id = 0
-      integer :: kind = KJOINT                  !! KJOINT, KJOINT2, SPRING4 or SPRING8
+      integer :: kind = KJOINT                  !! KJOINT, KJOINT2 or a SPRING
       integer :: row = 0                        !! row of kj_joint_types, 0 = not usable
       integer :: frame = 0                      !! FRAME_ constant
       integer :: skew(2) = 0                    !! skew indices
@@ -62,8 +63,7 @@ module kj_draft
       logical :: limited = .false.              !! has stops, friction, a lock or automatic
                                                 !! stiffness
       ! springs only
-      real(wp) :: mass = 0.0_wp, inertia = 0.0_wp
-      logical :: balanced = .false.             !! asks for the couple of the force (Iequil)
+      type(spring_t), allocatable :: spring
    end type property_t
 
    !> A spring element on its way into a batch

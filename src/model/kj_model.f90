@@ -84,9 +84,10 @@ module kj_model
       integer :: below_min = SCALE_NONE        !! what happens to a node below dt_min
       real(wp) :: dt_ini = 0.0_wp              !! /DTIX, 0 = not given
       real(wp) :: dt_max = 1.0e20_wp
-      logical :: nodal_step = .true.           !! by a TYPE33 joint, a spring or /DT/NODA
-      !> the step of TYPE45 joints alone, without nodal_step
+      logical :: nodal_step = .true.           !! by a TYPE33 joint or /DT/NODA
+      !> the step of the leads of TYPE45 joints and of TYPE8 springs, without nodal_step
       logical :: joint_step = .false.
+      logical :: element_step = .false.        !! of TYPE4 springs, without /DT/NODA
       integer :: print_every = 100
       integer :: run_number = 1                !! above 1 a run goes on from a saved state
       real(wp) :: stop_energy = huge(1.0_wp)   !! energy error, as a fraction, that ends the run

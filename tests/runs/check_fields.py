@@ -15,7 +15,7 @@ KEPT = [
     ("march_t", "consistent/kj_consistent_march.f90", "keep_march", "consistent/kj_consistent_archive.f90", ""),
     ("bound_t", "consistent/kj_consistent_safe_step.f90", "keep_bound", "consistent/kj_consistent_archive.f90", ""),
     ("contact_t", "consistent/kj_consistent_impact_step.f90", "keep_contact", "consistent/kj_consistent_archive.f90", ""),
-    ("legacy_state_t", "legacy/kj_legacy_state.f90", "keep_legacy", "legacy/kj_legacy_archive.f90", "team plan crew"),
+    ("legacy_state_t", "legacy/kj_legacy_state.f90", "keep_legacy", "legacy/kj_legacy_archive.f90", "team crew jointed sprung on_main idle_limit"),
     ("world_t", "legacy/kj_legacy_force.f90", "keep_world", "legacy/kj_legacy_archive.f90", ""),
     ("legacy_joint_t", "legacy/kj_legacy_joint.f90", "keep_joint", "legacy/kj_legacy_archive.f90", ""),
     ("gravity_t", "model/kj_gravity.f90", "keep_gravity", "model/kj_gravity.f90", ""),
