@@ -34,7 +34,8 @@ class Deck:
     def __init__(self, name, t_stop, dt, sample):
         self.name, self.ids = name, 0
         self.text = ["/BEGIN", name, f"{2026:10d}{0:10d}", *[f"{'kg':>20}{'m':>20}{'s':>20}"] * 2]
-        self.engine = f"/RUN/{name}/1\n{t_stop}\n/TFILE/1\n{sample}\n/DTIX\n{dt} {dt}\n"
+        # the nodal step: without it legacy TYPE4 springs limit the step by their own little mass
+        self.engine = f"/RUN/{name}/1\n{t_stop}\n/TFILE/1\n{sample}\n/DT/NODA\n0.9 0.0\n/DTIX\n{dt} {dt}\n"
 
     def block(self, keyword, *cards):
         self.text += [keyword, *cards]
@@ -243,9 +244,11 @@ def bushings(formulation):
         for axis in "xyz":
             p, l = runs[0][f"momentum_{axis}"][:], runs[0][f"angular_momentum_{axis}"][:]
             check(f"{name}: momentum {axis}", abs(p - p[0]).max(), 1e-12)
-            # the legacy integrator of rotations keeps it to first order only
-            check(f"{name}: angular momentum {axis}", abs(l - l[0]).max(), 1e-12 if formulation == "consistent" else 2e-2)
-        check(f"{name}: energy", abs(runs[0]["energy_error"][:]).max(), 1e-3 if formulation == "consistent" else 1e-2)
+            # the legacy spring has no couple r x F, and keeps neither this nor energy
+            if formulation == "consistent":
+                check(f"{name}: angular momentum {axis}", abs(l - l[0]).max(), 1e-12)
+        if formulation == "consistent":
+            check(f"{name}: energy", abs(runs[0]["energy_error"][:]).max(), 1e-3)
         # named from the other end it is the same spring: the force on node 1 is the opposite one
         x = [run["rigid_body/position"][:] for run in runs]
         check(f"{name}: ends exchanged, motion", abs(x[0] - x[1]).max(), 1e-9)
