@@ -9,19 +9,20 @@ module kj_diff
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_FILE, ERR_INPUT, str
-   use kj_channels, only: CH_TIME, channels, groups, find_channel, OF_RUN, OF_JOINT, OF_SPRING, &
+   use kj_channels, only: CH_TIME, channels, groups, OF_RUN, OF_JOINT, &
       CH_CYCLE, CH_TIME_STEP, CH_OWNER_KIND, CH_OWNER
    use kj_metrics, only: metrics, curve_sums_t, add_sample, finish_metrics, M_ISO, M_ISO_Z, &
       M_ISO_P, M_ISO_M, M_ISO_S
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t, profile_t, &
       find_profile, set_window, N_WORST, class_result_t
+   use kj_diff_match, only: list_groups, find_in_groups, entity_ids
    use kj_diff_walk, only: walk_t, open_cursor, convert_units, rewind_cursor, advance, time_of, &
       is_final, in_window, close_cursor, start_walk, next_pair, cursor_t
    use kj_diff_measure, only: rounding_t, rounding_of, add_peaks, scene_energy, set_tolerances, &
       compare_rows
    use kj_diff_report, only: diff_text, diff_json, diff_junit
    use kj_text, only: append_text, text_t
-   use kj_sort, only: lookup_t, new_lookup, lower_bound
+   use kj_sort, only: lookup_t
    use kj_history, only: history_t
    use kj_series, only: series_t, find_series, component_name, NORM
    use kj_iso18571, only: rate_iso18571, iso18571_t
@@ -453,77 +454,6 @@ contains
          end associate
       end do
    end subroutine mark_wanted
-
-   !> The channels of the other side that may hold what a channel holds, 0 = none, and their entities
-   subroutine list_groups(other, channel, group, entities)
-      type(history_t), intent(in) :: other
-      integer, intent(in) :: channel
-      integer, intent(out) :: group(2)
-      type(lookup_t), intent(out) :: entities(2)
-
-      integer, allocatable :: id(:)
-      integer :: k
-
-      group = [channel, 0]
-      associate (c => channels(channel))
-         if (c%owner == OF_JOINT) group(2) = find_channel(OF_SPRING, c%name)
-         if (c%owner == OF_SPRING) group(2) = find_channel(OF_JOINT, c%name)
-      end associate
-      do k = 1, 2
-         id = [integer ::]
-         if (group(k) > 0) call entity_ids(other, channels(group(k))%owner, id)
-         call new_lookup(id, entities(k))
-      end do
-   end subroutine list_groups
-
-   !> Place of entity j on the other side, 0 = none, and which group has it
-   pure subroutine find_in_groups(id, j, entities, k, group)
-      integer, intent(in) :: id(:), j            !! ids ascend
-      type(lookup_t), intent(in) :: entities(2)
-      integer, intent(out) :: k, group
-
-      group = 1
-      k = partner(id, j, entities(1))
-      if (k > 0) return
-      k = partner(id, j, entities(2))
-      if (k > 0) group = 2
-   end subroutine find_in_groups
-
-   !> Place on the other side of entity j: of those with one id the n-th belong together; 0 = none
-   pure integer function partner(id, j, other) result(k)
-      integer, intent(in) :: id(:), j           !! ids ascend
-      type(lookup_t), intent(in) :: other
-
-      integer :: n
-
-      n = 0
-      do while (j - n > 1)
-         if (id(j - n - 1) /= id(j)) exit
-         n = n + 1
-      end do
-      k = lower_bound(other%id, id(j)) + n
-      if (k <= size(other%id)) then
-         if (other%id(k) == id(j)) then
-            k = other%place(k)
-            return
-         end if
-      end if
-      k = 0
-   end function partner
-
-   !> User ids of the entities of an owner; 0 for the run itself
-   subroutine entity_ids(history, owner, id)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: owner                !! OF_ constant
-      integer, allocatable, intent(out) :: id(:)
-
-      if (owner == OF_RUN) then
-         id = [0]
-      else if (allocated(history%entity(owner)%id)) then
-         id = history%entity(owner)%id
-      end if
-      if (.not. allocated(id)) allocate (id(0))
-   end subroutine entity_ids
 
    !> "joint/force[5]", "kinetic_energy_trans"
    pure function name_of(channel, entity) result(name)
