@@ -1,5 +1,5 @@
 !> HDF5 files, groups, links and attributes in the few forms that the history layout needs.
-!> Only this module, kj_h5_write, kj_h5_chunk with kj_packer.c and kj_h5_read use the HDF5 library.
+!> Only this module, kj_h5_write, kj_h5_store with kj_store.c and kj_h5_read use the HDF5 library.
 !>
 !> Every procedure takes `error` inout and does nothing once it is set, so that a row of calls
 !> needs one test. What a procedure opens it closes, on errors too; a file is closed together
@@ -8,14 +8,14 @@
 !> Errors: ERR_FILE, naming what could not be done.
 module kj_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
-   use hdf5, only: hid_t, hsize_t, h5open_f, h5dont_atexit_f, h5eset_auto_f, h5get_libversion_f, &
-      h5fcreate_f, h5fopen_f, h5fclose_f, h5fflush_f, h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
+   use hdf5, only: hid_t, hsize_t, size_t, h5open_f, h5dont_atexit_f, h5eset_auto_f, h5get_libversion_f, &
+      h5fcreate_f, h5fopen_f, h5fclose_f, h5pset_fapl_core_f, h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
       h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, h5screate_f, &
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
       h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
       h5pset_attr_creation_order_f, h5pset_attr_phase_change_f, h5pset_link_phase_change_f, &
       h5pset_obj_track_times_f, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, H5F_CLOSE_STRONG_F, &
-      H5F_LIBVER_EARLIEST_F, H5F_LIBVER_V18_F, H5F_SCOPE_GLOBAL_F, H5P_FILE_CREATE_F, &
+      H5F_LIBVER_EARLIEST_F, H5F_LIBVER_V18_F, H5P_FILE_CREATE_F, &
       H5P_FILE_ACCESS_F, H5P_GROUP_CREATE_F, H5P_CRT_ORDER_TRACKED_F, H5P_CRT_ORDER_INDEXED_F, &
       H5S_SCALAR_F, H5T_STRING, H5T_CSET_UTF8_F, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, H5T_STD_I64LE, &
       H5T_STD_I32LE, H5T_STD_I8LE
@@ -26,12 +26,13 @@ module kj_h5
    implicit none
    private
 
-   public :: hid_t, start_hdf5, hdf5_version, create_file, open_file, close_file, flush_file
+   public :: hid_t, start_hdf5, hdf5_version, create_file, create_image, open_file, close_file
    public :: create_group, close_object, has_link, link_to
    public :: put_text, put_texts, put_number, put_numbers
    public :: check, start_object, file_type, make_space, utf8_type, c_texts   ! for kj_h5_*
 
    integer, parameter :: MOST_INLINE = 64    !! attributes or links kept in an object's header
+   integer(size_t), parameter :: CORE_INCREMENT = 256*1024      !! by which a file in memory grows
 
 contains
 
@@ -77,6 +78,26 @@ contains
       integer(hid_t), intent(out) :: file
       type(error_t), allocatable, intent(inout) :: error
 
+      call create(path, .false., H5F_LIBVER_EARLIEST_F, file, error)
+   end subroutine create_file
+
+   !> Create a file in memory, which is lost when it is closed
+   subroutine create_image(name, live, file, error)
+      character(len=*), intent(in) :: name         !! that no other open file has
+      logical, intent(in) :: live                  !! with a superblock of version 2
+      integer(hid_t), intent(out) :: file
+      type(error_t), allocatable, intent(inout) :: error
+
+      call create(name, .true., merge(H5F_LIBVER_V18_F, H5F_LIBVER_EARLIEST_F, live), file, error)
+   end subroutine create_image
+
+   subroutine create(name, in_memory, oldest, file, error)
+      character(len=*), intent(in) :: name
+      logical, intent(in) :: in_memory
+      integer, intent(in) :: oldest                !! version of HDF5 whose forms are used
+      integer(hid_t), intent(out) :: file
+      type(error_t), allocatable, intent(inout) :: error
+
       integer(hid_t) :: creation, access
       integer :: status, ignored
 
@@ -87,14 +108,15 @@ contains
       if (status >= 0) call h5pset_link_creation_order_f(creation, order_flags(), status)
       if (status >= 0) call h5pset_link_phase_change_f(creation, MOST_INLINE, MOST_INLINE/2, status)
       if (status >= 0) call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
-      if (status >= 0) call h5pset_libver_bounds_f(access, H5F_LIBVER_EARLIEST_F, &
-         H5F_LIBVER_V18_F, status)
+      if (status >= 0 .and. in_memory) &
+         call h5pset_fapl_core_f(access, CORE_INCREMENT, .false., status)
+      if (status >= 0) call h5pset_libver_bounds_f(access, oldest, H5F_LIBVER_V18_F, status)
       if (status >= 0) call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
-      if (status >= 0) call h5fcreate_f(path, H5F_ACC_TRUNC_F, file, status, creation, access)
+      if (status >= 0) call h5fcreate_f(name, H5F_ACC_TRUNC_F, file, status, creation, access)
       if (creation > 0) call h5pclose_f(creation, ignored)
       if (access > 0) call h5pclose_f(access, ignored)
-      call check(status, 'create the file '//path, error)
-   end subroutine create_file
+      call check(status, 'create the file '//name, error)
+   end subroutine create
 
    !> Open a file for reading only
    subroutine open_file(path, file, error)
@@ -127,18 +149,6 @@ contains
       file = -1
       call check(status, 'close the file', error)
    end subroutine close_file
-
-   !> Hand everything written so far to the operating system
-   subroutine flush_file(file, error)
-      integer(hid_t), intent(in) :: file
-      type(error_t), allocatable, intent(inout) :: error
-
-      integer :: status
-
-      if (allocated(error)) return
-      call h5fflush_f(file, H5F_SCOPE_GLOBAL_F, status)
-      call check(status, 'flush the file', error)
-   end subroutine flush_file
 
    !> Creation properties of any object: attributes keep their order, no times are stored
    subroutine start_object(class, plist, status)

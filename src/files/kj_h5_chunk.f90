@@ -1,16 +1,14 @@
-!> Rows into the chunks of datasets over time, each chunk packed here and written as it is: HDF5's
-!> own filters take several times as long. A file cannot be told from one that they wrote but by
-!> the length of its chunks.
+!> Rows into the chunks of datasets over time, each chunk packed here: HDF5's own filters take
+!> several times as long. A file cannot be told from one that they wrote but by the length of its
+!> chunks.
 module kj_h5_chunk
-   use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_size_t, c_double, c_ptr, C_NULL_PTR, &
+   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_double, c_ptr, C_NULL_PTR, &
       c_associated, c_f_pointer
-   use hdf5, only: hid_t
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_channels, only: channels, AS_F64, STORED_BYTES, CH_TIME
    use kj_history, only: history_t, variable_t
-   use kj_h5, only: check
-   use kj_h5_layout, only: get_row_shape, entities_in_chunk
+   use kj_h5_layout, only: entities_in_chunk
    implicit none
    private
 
@@ -22,9 +20,8 @@ module kj_h5_chunk
 
    !> Values of a row that go to one chunk, as kj_packer.c has it
    type, bind(c) :: column_t
-      integer(c_int64_t) :: series = -1          !! the dataset
-      integer(c_size_t) :: entity = 0            !! the first of the chunk, from 0
-      integer(c_size_t) :: dims(2) = 0           !! of a row of the dataset, in C order
+      integer(c_size_t) :: series = 0            !! the dataset, from 0
+      integer(c_size_t) :: part = 0              !! which chunk of a row, from 0
       integer(c_size_t) :: first = 0             !! from 0
       integer(c_size_t) :: n = 1, n_full = 1     !! values that there are, that a chunk has
       integer(c_int) :: real = 1, size = 8       !! stored: as a real, bytes
@@ -42,9 +39,10 @@ module kj_h5_chunk
    end type packer_t
 
    interface
-      type(c_ptr) function kj_packer_new(exact, n_value, rows_full, group, threads, n_column, &
-         column) bind(c)
+      type(c_ptr) function kj_packer_new(store, exact, n_value, rows_full, group, threads, &
+         n_column, column) bind(c)
          import :: c_int, c_size_t, c_ptr, column_t
+         type(c_ptr), value, intent(in) :: store
          integer(c_int), value, intent(in) :: exact
          integer(c_size_t), value, intent(in) :: n_value, rows_full, group, threads, n_column
          type(column_t), intent(in) :: column(*)
@@ -62,10 +60,10 @@ module kj_h5_chunk
          real(c_double), intent(in) :: rows(*)
       end subroutine kj_packer_column
 
-      integer(c_int) function kj_packer_write(own, i, before, n) bind(c)
+      integer(c_int) function kj_packer_write(own, i, before) bind(c)
          import :: c_ptr, c_size_t, c_int
          type(c_ptr), value, intent(in) :: own
-         integer(c_size_t), value, intent(in) :: i, before, n
+         integer(c_size_t), value, intent(in) :: i, before
       end function kj_packer_write
 
       subroutine kj_packer_begin(own, before) bind(c)
@@ -88,9 +86,9 @@ module kj_h5_chunk
 contains
 
    !> Cut the variables of a history into columns of chunks. Errors: ERR_FILE without memory
-   subroutine new_packer(history, series, n_chunk, threads, exact, packer, error)
+   subroutine new_packer(history, store, n_chunk, threads, exact, packer, error)
       type(history_t), intent(in) :: history
-      integer(hid_t), intent(in) :: series(:)    !! datasets of the variables, -1 = none
+      type(c_ptr), intent(in) :: store           !! the file, its datasets as history%variable
       integer, intent(in) :: n_chunk             !! rows in a chunk
       integer, intent(in) :: threads             !! that pack rows which are a chunk each
       logical, intent(in) :: exact               !! equal rows are equal bytes
@@ -105,23 +103,24 @@ contains
       allocate (packer%column(0))
       associate (v => history%variable)
          do i = 1, size(v)
-            if (v(i)%channel /= CH_TIME) call add_columns(v(i), series(i), packer)
+            if (v(i)%channel /= CH_TIME) call add_columns(v(i), i, packer)
          end do
          do i = 1, size(v)
-            if (v(i)%channel == CH_TIME) call add_columns(v(i), series(i), packer)
+            if (v(i)%channel == CH_TIME) call add_columns(v(i), i, packer)
          end do
       end associate
       packer%group = max(1, size(packer%column))
       packer%threads = 1
+      if (allocated(error)) return
       if (n_chunk == 1) then
          packer%group = min(packer%group, MOST_AT_ONCE)
          packer%threads = max(1, min(threads, packer%group))
       end if
-      packer%own = kj_packer_new(merge(1_c_int, 0_c_int, exact), &
+      packer%own = kj_packer_new(store, merge(1_c_int, 0_c_int, exact), &
          int(history%n_value, c_size_t), int(n_chunk, c_size_t), int(packer%group, c_size_t), &
          int(packer%threads, c_size_t), size(packer%column, kind=c_size_t), packer%column)
       if (.not. c_associated(packer%own)) then
-         if (.not. allocated(error)) call fail(error, ERR_FILE, 'no memory to pack a history')
+         call fail(error, ERR_FILE, 'no memory to pack a history')
          return
       end if
       if (n_chunk > 1) call find_buffer(packer)
@@ -146,23 +145,19 @@ contains
 
    subroutine add_columns(variable, series, packer)
       type(variable_t), intent(in) :: variable
-      integer(hid_t), intent(in) :: series
+      integer, intent(in) :: series              !! number of the dataset
       type(packer_t), intent(inout) :: packer
 
       type(column_t) :: new
-      integer, allocatable :: dims(:)
       integer :: m, entity
 
-      if (series < 0) return
       m = entities_in_chunk(variable, packer%n_chunk)
-      new%series = series
-      call get_row_shape(variable, dims)
-      new%dims(:size(dims)) = dims(size(dims):1:-1)
+      new%series = series - 1
       new%real = merge(1, 0, channels(variable%channel)%kind == AS_F64)
       new%size = STORED_BYTES(channels(variable%channel)%kind)
       new%n_full = m*variable%n_comp
       do entity = 0, variable%n_entity - 1, m
-         new%entity = entity
+         new%part = entity/m
          new%first = variable%first - 1 + entity*variable%n_comp
          new%n = min(m, variable%n_entity - entity)*variable%n_comp
          packer%column = [packer%column, new]
@@ -194,7 +189,7 @@ contains
       integer, intent(in) :: before              !! rows before the chunk
       type(error_t), allocatable, intent(inout) :: error
 
-      call check(int(kj_packer_end(packer%own)), 'write rows from '//str(before + 1), error)
+      call check(kj_packer_end(packer%own), before, error)
    end subroutine finish_background
 
    !> Write the first n rows of the buffer; they can be written again, with more
@@ -215,19 +210,28 @@ contains
       real(wp), intent(in) :: rows(packer%n_value, n)
       type(error_t), allocatable, intent(inout) :: error
 
-      integer :: first, last, i, status
+      integer :: first, last, i
 
       do first = 1, size(packer%column), packer%group
          if (allocated(error)) return
          last = min(first + packer%group - 1, size(packer%column))
          call pack_some(packer, first, last, n, rows)
          do i = first, last
-            status = kj_packer_write(packer%own, int(i - 1, c_size_t), int(before, c_size_t), &
-               int(n, c_size_t))
-            call check(status, 'write rows from '//str(before + 1), error)
+            if (allocated(error)) return
+            call check(kj_packer_write(packer%own, int(i - 1, c_size_t), int(before, c_size_t)), &
+               before, error)
          end do
       end do
    end subroutine write_rows
+
+   subroutine check(status, before, error)
+      integer(c_int), intent(in) :: status       !! negative: a failure
+      integer, intent(in) :: before              !! rows before those that were written
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (status < 0 .and. .not. allocated(error)) &
+         call fail(error, ERR_FILE, 'cannot write rows from '//str(before + 1))
+   end subroutine check
 
    !> Pack the next chunk of some columns
    subroutine pack_some(packer, first, last, n, rows)

@@ -1,21 +1,19 @@
 /* All columns of the rows of a history, packed and written chunk by chunk: at once, or by a thread of
-   its own while the caller fills the other of two buffers. Where HDF5 may not be called by two threads
-   the thread only packs, and the caller writes. Everything that the thread touches lies in the packer:
-   whoever forgets to free it leaks it, but the thread reads nothing that is gone. */
+   its own while the caller fills the other of two buffers and leaves the file alone. Everything that the
+   thread touches lies in the packer and the store: whoever forgets to free them leaks them, but the thread
+   reads nothing that is gone. */
 #define _POSIX_C_SOURCE 200809L
 #include <pthread.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <hdf5.h>
 #include "kj_chunk.h"
+#include "kj_store.h"
 
 /* Values of a row that go to one chunk */
 typedef struct {
-   int64_t series;                           /* the dataset */
-   size_t entity;                            /* the first of the chunk, from 0 */
-   size_t dims[2];                           /* of a row of the dataset, as many as it has */
+   size_t series, part;                      /* the dataset, which chunk of a row, from 0 */
    size_t first, n, n_full;                  /* from 0; values that there are, that a chunk has */
    int real, size;                           /* stored: as a real, bytes */
 } kj_column;
@@ -32,9 +30,9 @@ typedef struct {
    int filling;                              /* which of them */
    int full;                                 /* the other is full, and not known to be written */
    int running;                              /* there is a thread */
-   int writes;                               /* it writes, too */
    size_t before;                            /* rows before the full buffer */
-   herr_t status;                            /* of writing it */
+   int status;                               /* of writing it */
+   kj_store *store;                          /* the file */
    pthread_t thread;
 } kj_packer;
 
@@ -60,15 +58,14 @@ void kj_packer_free(kj_packer *p)
 
 /* Room for the columns of a group at the same time, and for `threads` that pack; with two buffers of
    `rows_full` rows, or none where each row is a chunk. NULL when there is no memory. */
-kj_packer *kj_packer_new(int exact, size_t n_value, size_t rows_full, size_t group, size_t threads,
-   size_t n_column, const kj_column *column)
+kj_packer *kj_packer_new(kj_store *store, int exact, size_t n_value, size_t rows_full, size_t group,
+   size_t threads, size_t n_column, const kj_column *column)
 {
    kj_packer *p = calloc(1, sizeof *p);
    size_t i, most = 0, used = 0, room = 0, held = rows_full > 1 ? n_value*rows_full : 0;
-   hbool_t safe = 0;
 
    if (!p) return NULL;
-   p->writes = H5is_library_threadsafe(&safe) >= 0 && safe;
+   p->store = store;
    p->exact = exact;
    p->n_value = n_value;
    p->rows_full = rows_full;
@@ -117,35 +114,26 @@ void kj_packer_column(kj_packer *p, size_t i, size_t thread, size_t n, const dou
       rows + c->first, p->n_value, p->work + thread*p->n_work, p->packed[i]);
 }
 
-/* Write column `i` as it was packed last, of `n` rows after `before`; its first chunk makes the dataset
-   longer. Negative when it fails. */
-int kj_packer_write(const kj_packer *p, size_t i, size_t before, size_t n)
+/* Write column `i` as it was packed last, of rows after `before`. Negative when it fails. */
+int kj_packer_write(const kj_packer *p, size_t i, size_t before)
 {
    const kj_column *c = &p->column[i];
-   hsize_t extent[3] = {before + n, c->dims[0], c->dims[1]}, offset[3] = {before, c->entity, 0};
-   herr_t status = 0;
 
    if (p->length[i] == 0) return -1;
-   H5E_BEGIN_TRY {                           /* silent in each thread */
-      if (c->entity == 0) status = H5Dset_extent(c->series, extent);
-      if (status >= 0) status = H5Dwrite_chunk(c->series, H5P_DEFAULT, 0, offset, p->length[i],
-         p->packed[i]);
-   } H5E_END_TRY
-   return status;
+   return kj_store_chunk(p->store, c->series, before/p->rows_full, c->part, p->length[i], p->packed[i]);
 }
 
-/* Pack the buffer that is full, and write it if this may be done here */
+/* Pack the buffer that is full, and write it */
 static void *pack_full(void *packer)
 {
    kj_packer *p = packer;
    size_t i;
 
    p->status = 0;
-   for (i = 0; i < p->n_column; i++) {
+   for (i = 0; i < p->n_column && p->status >= 0; i++) {
       kj_packer_column(p, i, 0, p->rows_full, p->rows[!p->filling]);
-      if (p->writes && p->status >= 0) p->status = kj_packer_write(p, i, p->before, p->rows_full);
+      p->status = kj_packer_write(p, i, p->before);
    }
-   if (p->status < 0) H5Eclear2(H5E_DEFAULT);     /* or what HDF5 notes for this thread leaks */
    return NULL;
 }
 
@@ -167,15 +155,11 @@ void kj_packer_begin(kj_packer *p, size_t before)
    if (!p->running) pack_full(p);
 }
 
-/* Wait until the full buffer is packed and written. Negative when it could not be. */
+/* Wait until the full buffer is packed and written, if there is one. Negative when it could not be. */
 int kj_packer_end(kj_packer *p)
 {
-   size_t i;
-
    if (!p->full) return 0;
    join(p);
    p->full = 0;
-   for (i = 0; i < p->n_column && !p->writes && p->status >= 0; i++)
-      p->status = kj_packer_write(p, i, p->before, p->rows_full);
    return p->status;
 }

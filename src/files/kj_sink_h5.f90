@@ -1,58 +1,50 @@
 !> The sink that writes a history file. Rows are held until a chunk is full; a thread in the
 !> background packs and writes it. At least every FLUSH_SECONDS what is there becomes readable by
-!> others. Where HDF5 is not thread-safe the caller writes, when the next chunk is full.
+!> others, and stays so if the program is killed.
 !>
-!> The file grows under a name of its own beside `path` and takes that name at the first flush, so
-!> that an older history is lost only to a run that got going. Room on the disk is held back for its
-!> end: HDF5 keeps some of its bookkeeping in memory until then.
+!> The file grows under a name of its own beside `path`. It takes that name at the first flush where
+!> nothing has it; in place of an older history at the end, when the run ended well or was stopped.
 module kj_sink_h5
+   use, intrinsic :: iso_c_binding, only: c_ptr, C_NULL_PTR, c_associated
    use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE, ERR_INTERNAL
    use kj_version, only: KJOINT_VERSION
-   use kj_system, only: rename_file, remove_file, host_name, date_time, wall_clock
+   use kj_system, only: remove_file, host_name, date_time, wall_clock
+   use kj_text, only: text_t
    use kj_utf8, only: as_utf8
-   use kj_channels, only: AS_F64, AS_I32, AS_I64
+   use kj_channels, only: AS_F64, AS_I32, AS_I64, CH_TIME
    use kj_history, only: history_t
    use kj_sink, only: sink_t
-   use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, flush_file, &
-      create_group, put_text, put_number
+   use kj_output, only: settle_output, open_part, name_part, has_name
+   use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_image, close_file, create_group, &
+      put_text, put_number
    use kj_h5_layout, only: write_layout
    use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
       finish_background, write_buffer, write_rows
-   use, intrinsic :: iso_c_binding, only: c_int, c_long, c_char, c_null_char
+   use kj_h5_store, only: begin_store, commit_rows, finish_store, close_store
    implicit none
    private
 
-   integer, parameter :: NO_RESERVE = -1
-   integer(c_long), parameter :: BYTES = 2*1024*1024
-
-   interface
-      integer(c_int) function kj_reserve_take(name, bytes) bind(c)
-         import :: c_int, c_long, c_char
-         character(kind=c_char), intent(in) :: name(*)
-         integer(c_long), value, intent(in) :: bytes
-      end function kj_reserve_take
-
-      subroutine kj_reserve_give(file) bind(c)
-         import :: c_int
-         integer(c_int), value, intent(in) :: file
-      end subroutine kj_reserve_give
-   end interface
-
-   !> A history file under way, or none (file < 0)
+   !> A history file under way, or none
    type, extends(sink_t), public :: sink_h5_t
       ! set by the caller before open
       character(len=:), allocatable :: path           !! of the history
+      type(text_t), allocatable :: inputs(:)          !! paths of files that are not to be replaced
       character(len=:), allocatable :: command_line   !! kept in /run
       logical :: reproducible = .false.               !! equal runs write equal bytes
+      logical :: live = .false.                       !! readers may follow it (SWMR)
       integer :: n_threads = 1        !! of the run, kept in /run; they pack rows as big as a chunk
+      !> Where the file is, now and when it was closed; empty: it was removed, having no rows
+      character(len=:), allocatable :: place
       ! own
-      integer(hid_t), private :: file = -1, run = -1           !! /run
+      character(len=:), allocatable, private :: target         !! what it is to become
+      integer, private :: descriptor = -1                      !! of the open file
+      type(c_ptr), private :: store = C_NULL_PTR               !! the file
       type(packer_t), private :: packer
-      integer, private :: reserve = NO_RESERVE                 !! room on the disk for the end
       integer, private :: n_value = 0, n_chunk = 1             !! reals in a row, rows in a chunk
       integer, private :: n_written = 0                        !! rows in chunks that are full
+      integer, private :: n_ready = 0                          !! the same and of the last chunk
       integer, private :: n_packing = 0                        !! rows packed in the background
       integer, private :: n_held = 0                           !! rows in the buffer
       logical, private :: failed = .false.                     !! a row could not be written
@@ -70,40 +62,28 @@ module kj_sink_h5
 
    integer, parameter :: MOST_CHUNK_ROWS = 1024, LEAST_CHUNK_ROWS = 16   !! powers of two
    integer, parameter :: MOST_BUFFER_BYTES = 4*1024*1024
+   integer, parameter :: SIGNAL_CODE = 128       !! exit codes above: who uses it stopped the run
    real(wp), parameter :: FLUSH_SECONDS = 2.0_wp, FAST_CHUNK = 0.1_wp*FLUSH_SECONDS
-   character(len=*), parameter :: GROWING = '.part'    !! ends the name of a file that is new
 
 contains
 
    !> Create the file and write everything that is known before the first row.
-   !> Errors: ERR_FILE when the file cannot be created
+   !> Errors: ERR_INPUT when the path is an input, or of something else than a file; ERR_FILE when the
+   !> file cannot be created, or another run writes it
    subroutine open_h5(self, history, error)
       class(sink_h5_t), intent(inout) :: self
       type(history_t), intent(in) :: history
       type(error_t), allocatable, intent(out) :: error
 
       type(error_t), allocatable :: closing
-      integer(hid_t), allocatable :: series(:)
-      logical :: folder
 
+      call give_up(self)
       if (.not. allocated(self%path)) self%path = ''
-      inquire (file=self%path//'/.', exist=folder)
-      if (self%path == '' .or. folder .or. index(self%path, '/dev/') == 1) then
-         call fail(error, ERR_FILE, '"'//self%path//'" is no name for a history file')
-         return
-      end if
-      call free_packer(self%packer)
-      if (self%file >= 0) call close_file(self%file, closing)   ! a run that was given up
-      call start_hdf5(error)
-      call create_file(self%path//GROWING, self%file, error)
-      if (allocated(error)) then
-         error%message = 'cannot create the history file '//self%path
-         return
-      end if
-
+      if (.not. allocated(self%inputs)) allocate (self%inputs(0))
       self%n_value = history%n_value
       self%n_chunk = rows_in_chunk(history)
       self%n_written = 0
+      self%n_ready = 0
       self%n_packing = 0
       self%n_held = 0
       self%failed = .false.
@@ -113,20 +93,50 @@ contains
       self%last_put = self%started
       self%handed = self%started
 
-      call give_reserve(self%reserve)
-      call take_reserve(self%path//GROWING//'.room', self%reserve)
-      allocate (series(size(history%variable)))
-      call write_layout(self%file, history, self%n_chunk, series, error)
-      call new_packer(history, series, self%n_chunk, self%n_threads, self%reproducible, &
+      call settle_output(self%path, self%inputs, self%target, error)
+      call open_part(self%target, self%place, self%descriptor, error)
+      if (allocated(error)) return
+      call write_start(self, history, error)
+      call new_packer(history, self%store, self%n_chunk, self%n_threads, self%reproducible, &
          self%packer, error)
-      call put_start(self, error)
       if (allocated(error)) then
-         call give_reserve(self%reserve)
+         error%file = self%path
          call free_packer(self%packer)
-         call close_file(self%file, closing)
-         call remove_file(self%path//GROWING)
+         call close_store(self%store, closing)
+         call remove_file(self%place)
       end if
    end subroutine open_h5
+
+   !> Forget a run that was not closed
+   subroutine give_up(self)
+      class(sink_h5_t), intent(inout) :: self
+
+      type(error_t), allocatable :: ignored
+
+      call free_packer(self%packer)
+      if (.not. c_associated(self%store)) return
+      call close_store(self%store, ignored)
+      if (.not. self%named) call remove_file(self%place)
+   end subroutine give_up
+
+   !> Make the file in memory, and write it
+   subroutine write_start(self, history, error)
+      class(sink_h5_t), intent(inout) :: self
+      type(history_t), intent(in) :: history
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(error_t), allocatable :: closing
+      integer(hid_t) :: file, run
+      integer(hid_t) :: series(size(history%variable))
+
+      call start_hdf5(error)
+      call create_image(self%place, self%live, file, error)
+      call write_layout(file, history, self%n_chunk, series, error)
+      call put_start(self, file, run, error)
+      call begin_store(self%descriptor, file, series, &
+         findloc(history%variable%channel, CH_TIME, 1), run, self%live, self%store, error)
+      call close_file(file, closing)
+   end subroutine write_start
 
    !> Rows in a chunk: as many as the buffer takes, not many more than will come
    pure integer function rows_in_chunk(history) result(n)
@@ -142,24 +152,31 @@ contains
       end do
    end function rows_in_chunk
 
-   !> Write to /run what is known at the start; reproducible leaves out what differs between runs
-   subroutine put_start(self, error)
-      class(sink_h5_t), intent(inout) :: self
+   !> Write to /run what is known at the start, and room for the outcome; reproducible leaves out what
+   !> differs between runs
+   subroutine put_start(self, file, run, error)
+      class(sink_h5_t), intent(in) :: self
+      integer(hid_t), intent(in) :: file
+      integer(hid_t), intent(out) :: run
       type(error_t), allocatable, intent(inout) :: error
 
-      call create_group(self%file, 'run', self%run, error)
+      call create_group(file, 'run', run, error)
       if (.not. self%reproducible .and. allocated(self%command_line)) &
-         call put_text(self%run, 'command_line', as_utf8(self%command_line), error)
-      call put_text(self%run, 'version', KJOINT_VERSION, error)
-      call put_text(self%run, 'compiler', compiler_version(), error)
-      call put_text(self%run, 'compiler_options', compiler_options(), error)
-      call put_text(self%run, 'hdf5_version', hdf5_version(), error)
+         call put_text(run, 'command_line', as_utf8(self%command_line), error)
+      call put_text(run, 'version', KJOINT_VERSION, error)
+      call put_text(run, 'compiler', compiler_version(), error)
+      call put_text(run, 'compiler_options', compiler_options(), error)
+      call put_text(run, 'hdf5_version', hdf5_version(), error)
       if (.not. self%reproducible) then
-         call put_number(self%run, 'n_threads', AS_I32, real(self%n_threads, wp), error)
-         call put_text(self%run, 'host', as_utf8(host_name()), error)
-         call put_text(self%run, 'started', date_time(), error)
+         call put_number(run, 'n_threads', AS_I32, real(self%n_threads, wp), error)
+         call put_text(run, 'host', as_utf8(host_name()), error)
+         call put_text(run, 'started', date_time(), error)
+         call put_text(run, 'ended', '', error)
+         call put_number(run, 'elapsed_s', AS_F64, 0.0_wp, error)
       end if
-      call put_text(self%run, 'status', 'RUNNING', error)
+      call put_number(run, 'cycles', AS_I64, 0.0_wp, error)
+      call put_text(run, 'status', 'RUNNING', error)
+      call put_number(run, 'exit_code', AS_I32, 0.0_wp, error)
    end subroutine put_start
 
    !> Take one row. Errors: ERR_FILE when it, or one before, cannot be written, ERR_INTERNAL when it
@@ -171,7 +188,7 @@ contains
 
       real(wp), pointer, contiguous :: room(:)
 
-      if (self%file < 0) then
+      if (.not. c_associated(self%store)) then
          call fail(error, ERR_INTERNAL, 'a row came to a history that is not open')
          return
       end if
@@ -198,7 +215,7 @@ contains
       real(wp), pointer, contiguous, intent(out) :: row(:)
 
       row => null()
-      if (self%file < 0 .or. self%failed .or. self%n_chunk == 1) return
+      if (.not. c_associated(self%store) .or. self%failed .or. self%n_chunk == 1) return
       call find_row(self%packer, self%n_held + 1, row)
    end subroutine begin_row_h5
 
@@ -230,19 +247,19 @@ contains
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
 
-      if (self%file < 0) return
+      if (.not. c_associated(self%store)) return
       call finish_packing(self, error)
       call write_held(self, error)
       call make_readable(self, error)
    end subroutine flush_h5
 
-   !> Make what is written readable by others
+   !> Make what is written readable by others, by the name of the history where nothing has it
    subroutine make_readable(self, error)
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
-      call flush_file(self%file, error)
-      if (.not. allocated(error)) call take_name(self, error)
+      call commit_rows(self%store, self%n_ready, error)
+      if (.not. self%named .and. self%n_ready > 0) call take_name(self, .false., error)
       self%flushed = wall_clock()
    end subroutine make_readable
 
@@ -293,9 +310,13 @@ contains
       class(sink_h5_t), intent(inout) :: self
       type(error_t), allocatable, intent(inout) :: error
 
-      if (self%n_held == 0 .or. self%failed) return
-      call write_buffer(self%packer, self%n_written, self%n_held, error)
+      integer :: n
+
+      n = self%n_held
+      if (n == 0 .or. self%failed) return
+      call write_buffer(self%packer, self%n_written, n, error)
       call note_written(self, 0, error)
+      if (.not. allocated(error)) self%n_ready = self%n_written + n
    end subroutine write_held
 
    !> Write a row that is a chunk
@@ -321,22 +342,22 @@ contains
          self%n_held = 0
       else
          self%n_written = self%n_written + n
+         self%n_ready = max(self%n_ready, self%n_written)
       end if
    end subroutine note_written
 
-   !> Give the file its final name, replacing an older history. Errors: ERR_FILE
-   subroutine take_name(self, error)
+   !> Give the file its final name; replace: in place of an older history. Errors: ERR_FILE
+   subroutine take_name(self, replace, error)
       class(sink_h5_t), intent(inout) :: self
+      logical, intent(in) :: replace
       type(error_t), allocatable, intent(inout) :: error
 
-      if (self%named) return
-      call rename_file(self%path//GROWING, self%path, self%named)
-      if (.not. self%named) call fail(error, ERR_FILE, 'cannot rename '//self%path//GROWING// &
-         ' to '//self%path)
+      call name_part(self%place, self%target, replace, self%named, error)
+      if (self%named) self%place = self%target
    end subroutine take_name
 
-   !> Write the rest and the outcome and close the file, whatever fails on the way. A run that
-   !> failed before its first row, or whose first flush failed, leaves no file.
+   !> Write the rest and the outcome and close the file, whatever fails on the way, and give it its
+   !> name. A failed run without rows leaves no file; one with rows does not replace an older history.
    !> Errors: ERR_FILE, the first
    subroutine close_h5(self, status, cycles, exit_code, error)
       class(sink_h5_t), intent(inout) :: self
@@ -344,45 +365,50 @@ contains
       integer, intent(in) :: cycles, exit_code
       type(error_t), allocatable, intent(out) :: error
 
-      logical :: empty
+      type(error_t), allocatable :: closing
+      character(len=:), allocatable :: ended
+      logical :: known
 
-      if (self%file < 0) return
-      empty = self%n_written + self%n_packing + self%n_held == 0
+      if (.not. c_associated(self%store)) return
       call finish_packing(self, error)
       call write_held(self, error)
-      call give_reserve(self%reserve)
       call free_packer(self%packer)
-      if (.not. self%reproducible) then
-         call put_text(self%run, 'ended', date_time(), error)
-         call put_number(self%run, 'elapsed_s', AS_F64, wall_clock() - self%started, error)
-      end if
-      call put_number(self%run, 'cycles', AS_I64, real(cycles, wp), error)
-      call put_text(self%run, 'status', as_utf8(status), error)
-      call put_number(self%run, 'exit_code', AS_I32, real(exit_code, wp), error)
-      call close_file(self%file, error)
-      self%run = -1
-      if (self%named) return
-      if (allocated(error) .or. (empty .and. exit_code /= 0)) then
-         call remove_file(self%path//GROWING)
+      ended = date_time()
+      if (self%reproducible) ended = ''
+      call commit_rows(self%store, self%n_ready, closing)
+      if (allocated(error)) then
+         call finish_store(self%store, as_utf8('ERROR TERMINATION: '//error%message), ended, &
+            wall_clock() - self%started, cycles, error%code, closing)
       else
-         call take_name(self, error)
+         call finish_store(self%store, as_utf8(status), ended, wall_clock() - self%started, &
+            cycles, exit_code, closing)
       end if
+      known = has_name(self%descriptor)
+      call close_store(self%store, closing)
+      if (.not. known .and. .not. allocated(closing)) call fail(closing, ERR_FILE, &
+         'the history '//self%place//' was removed or replaced while it was written')
+      if (.not. allocated(error)) call move_alloc(closing, error)
+      call end_name(self, known, exit_code, error)
    end subroutine close_h5
 
-   !> Hold room by a file whose path is free again on return; NO_RESERVE where there is none
-   subroutine take_reserve(path, reserve)
-      character(len=*), intent(in) :: path
-      integer, intent(out) :: reserve
+   !> The name of a file that is closed
+   subroutine end_name(self, known, exit_code, error)
+      class(sink_h5_t), intent(inout) :: self
+      logical, intent(in) :: known               !! it has a name
+      integer, intent(in) :: exit_code
+      type(error_t), allocatable, intent(inout) :: error
 
-      reserve = int(kj_reserve_take(path//c_null_char, BYTES))
-   end subroutine take_reserve
+      type(error_t), allocatable :: ignored
 
-   !> Give it back, if there is any
-   subroutine give_reserve(reserve)
-      integer, intent(inout) :: reserve
-
-      call kj_reserve_give(int(reserve, c_int))
-      reserve = NO_RESERVE
-   end subroutine give_reserve
+      if (self%named .or. .not. known) return
+      if (.not. allocated(error) .and. (exit_code == 0 .or. exit_code > SIGNAL_CODE)) then
+         call take_name(self, .true., error)
+      else if (self%n_ready > 0) then
+         call take_name(self, .false., ignored)
+      else
+         call remove_file(self%place)
+         self%place = ''
+      end if
+   end subroutine end_name
 
 end module kj_sink_h5

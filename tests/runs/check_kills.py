@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""A run that is killed leaves a history that every reader opens, with whole rows up to 2 s before.
+
+usage: check_kills.py KJOINT WORK_FOLDER KILLS
+
+Three scenes: one that samples every cycle, one of 1000 joints, one of 10 that hardly ever fills a chunk. Each is
+run undisturbed, then KILLS times until it is killed at a random moment. Every dataset of what is left is read to its
+end and equals the undisturbed run; `kjoint info` reads it; rows that are lost are younger than 2 s, which the
+listing tells: its lines say how far the run had come when.
+"""
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import h5py
+import numpy
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "tools"))
+import bench_scenes
+
+PROMISED, SLACK = 2.0, 0.5          # [s]: how old a row gets before it can be read; a busy machine
+
+# name, joints, end time, sample interval [s]; the runs take 8 s and more of one core, slower code longer
+SCENES = (("every cycle", 3, 0.3, 0.0), ("1000 joints", 1000, 0.1, 5e-4), ("10 joints", 10, 40.0, 0.5))
+
+
+class Run:
+    """A run that notes when its listing said what"""
+
+    def __init__(self, kjoint, deck, out, until, sample):
+        self.said = []
+        self.process = subprocess.Popen(
+            [kjoint, "run", "-v", deck, "--until", str(until), "--sample", str(sample), "-o", out],
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.thread = threading.Thread(target=self.listen)
+        self.thread.start()
+
+    def listen(self):
+        for line in self.process.stderr:
+            words = line.split()
+            if len(words) > 6 and words[0].isdigit():
+                self.said.append((time.monotonic(), float(words[1])))
+
+    def end(self):
+        self.process.wait()
+        self.thread.join()
+
+
+def everything(path):
+    """Every dataset, read to its end; attributes too"""
+    found = {}
+
+    def take(name, thing):
+        dict(thing.attrs)
+        if isinstance(thing, h5py.Dataset):
+            found[name] = thing[()]
+
+    with h5py.File(path) as file:
+        file.visititems(take)
+        take("/", file)
+        found["status"] = file["run"].attrs["status"]
+    return found
+
+
+def complaint(kjoint, left, whole, reached):
+    """What is wrong with what a killed run left; None if nothing is"""
+    found = everything(left)
+    if set(found) != set(whole):
+        return f"other datasets: {set(found) ^ set(whole)}"
+    rows = len(found["time"])
+    for name, values in found.items():
+        if name == "status" or name.startswith("input/"):
+            continue
+        expected = whole[name]
+        if values.ndim and len(values) < rows <= len(expected) and len(expected) == len(whole["time"]):
+            return f"{name} has {len(values)} of {rows} rows"
+        if not numpy.array_equal(values, expected[:len(values)], equal_nan=values.dtype.kind == "f"):
+            return f"{name} differs"
+    if found["status"] != "RUNNING":
+        return f"status {found['status']}"
+    if reached > 0 and not (rows and found["time"][-1] >= reached):
+        return f"{rows} rows, the last of {found['time'][-1] if rows else None}, where {reached} was due"
+    told = subprocess.run([kjoint, "info", left], capture_output=True, text=True)
+    return told.stderr if told.returncode else None
+
+
+def main(kjoint, folder, kills):
+    work = pathlib.Path(folder)
+    work.mkdir(parents=True, exist_ok=True)
+    seed = int(time.time())
+    random.seed(seed)
+    print("seed", seed)
+    failed = 0
+    for name, joints, until, sample in SCENES:
+        root = work / name.replace(" ", "_")
+        bench_scenes.write("chain", joints, root)
+        engine = root.with_name(root.name + "_0001.rad")
+        engine.write_text(engine.read_text().replace("/PRINT/", "/PRINT/-50\n#/PRINT/"), encoding="utf-8")
+        deck, out = f"{root}_0000.rad", root.with_suffix(".h5")
+        out.unlink(missing_ok=True)
+        started = time.monotonic()
+        run = Run(kjoint, deck, out, until, sample)
+        run.end()
+        lasted = time.monotonic() - started
+        whole = everything(out)
+        print(f"{name}: {len(whole['time'])} rows in {lasted:.1f} s")
+        for kill in range(int(kills)):
+            out.unlink()
+            started = time.monotonic()
+            run = Run(kjoint, deck, out, until, sample)
+            try:
+                run.process.wait(random.uniform(0.02, 0.9*lasted))
+            except subprocess.TimeoutExpired:
+                pass
+            killed = time.monotonic()
+            run.process.send_signal(signal.SIGKILL)
+            run.end()
+            left = [out] if out.exists() else sorted(work.glob(out.name + ".*.part"))
+            due = [t for when, t in run.said if when < killed - PROMISED - SLACK]
+            wrong = None
+            if left and run.process.returncode == -signal.SIGKILL:
+                wrong = complaint(kjoint, left[0], whole, max(due, default=0.0) - sample)
+            elif run.process.returncode == -signal.SIGKILL and due:
+                wrong = "nothing is left"
+            if wrong:
+                print(f"FAIL  {name}, killed after {killed - started:.3f} s: {wrong}")
+                failed += 1
+            for path in work.glob(out.name + ".*.part"):
+                path.unlink()
+            if not out.exists():
+                out.touch()
+    sys.exit(failed > 0)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
