@@ -250,6 +250,7 @@ contains
       if (allocated(error)) return
       study%title = trim(simulation_title(sim))
       study%reach = simulation_reach(sim)
+      study%input = sink%history%input_path
       study%n_joint = size(simulation_joints(sim))
       study%n_body = size(simulation_bodies(sim))
    end subroutine one_run

@@ -1,6 +1,7 @@
 !> The settings of a study with what came of them: orders, the cheapest for a wanted error, and the
 !> stiffness that should do.
 module kj_study_table
+   use kj_text, only: text_t
    use kj_kinds, only: wp
    use kj_study_metric, only: N_CLASS
    use kjoint, only: run_options_t
@@ -33,6 +34,7 @@ module kj_study_table
    !> A study
    type :: study_t
       character(len=:), allocatable :: title
+      type(text_t), allocatable :: input(:)      !! paths of the decks
       type(trial_t) :: reference
       type(trial_t), allocatable :: trial(:)     !! families together, long steps first
       integer :: n_joint = 0, n_body = 0

@@ -118,6 +118,7 @@ module kjoint
 
    !> Someone who watches a run
    type, abstract :: monitor_t
+      integer :: stop_code = 130                !! exit code of a run that it stops
    contains
       procedure(tick_i), deferred :: tick
       procedure :: see                          !! a traced cycle; nothing is done with it here

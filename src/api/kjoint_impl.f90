@@ -194,6 +194,7 @@ contains
       n = deck%n_source
       if (allocated(engine_source%text)) n = n + 1
       allocate (history%input_name(n), history%input_text(n), history%input_role(n))
+      allocate (history%input_path(n))
       do i = 1, n
          if (i <= deck%n_source) then
             call keep(deck%source(i))
@@ -205,6 +206,7 @@ contains
       subroutine keep(source)
          type(source_t), intent(inout) :: source
 
+         history%input_path(i)%s = source%path
          history%input_name(i)%s = source%path(index(source%path, '/', back=.true.) + 1:)
          call move_alloc(source%text, history%input_text(i)%s)
          history%input_role(i)%s = trim(source%role)

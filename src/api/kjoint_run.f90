@@ -70,7 +70,7 @@ contains
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
       call monitor%tick(status, ignored)
-      call end_history(sink, stop, status%cycle, error)
+      call end_history(sink, stop, monitor%stop_code, status%cycle, error)
       if (allocated(sim%row)) deallocate (sim%row)
       status%wall_output = status%wall_output + wall_clock() - clock
    end subroutine run_open
@@ -208,10 +208,10 @@ contains
    end subroutine keep_state
 
    !> Close the sink with the outcome; an error of the run goes before one of the sink
-   subroutine end_history(sink, stopped, cycles, error)
+   subroutine end_history(sink, stopped, stop_code, cycles, error)
       class(sink_t), intent(inout) :: sink
       logical, intent(in) :: stopped
-      integer, intent(in) :: cycles
+      integer, intent(in) :: stop_code, cycles
       type(error_t), allocatable, intent(inout) :: error
 
       type(error_t), allocatable :: sink_error
@@ -219,7 +219,7 @@ contains
       if (allocated(error)) then
          call sink%close('ERROR TERMINATION: '//error%message, cycles, error%code, sink_error)
       else if (stopped) then
-         call sink%close('STOPPED BY USER', cycles, 130, sink_error)
+         call sink%close('STOPPED BY USER', cycles, stop_code, sink_error)
       else
          call sink%close('NORMAL TERMINATION', cycles, 0, sink_error)
       end if

@@ -6,10 +6,11 @@ module kj_diff_command
    use kj_diff, only: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, &
       diff_json, diff_junit
    use kj_reader, only: convert_t01
+   use kj_output, only: write_output
    use kj_sink_h5, only: sink_h5_t
    use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, &
       OPT_WINDOW, OPT_CHANNELS, OPT_METRICS, OPT_JUNIT, OPT_RTOL, OPT_STRICT
-   use kj_terminal, only: print_text, write_file
+   use kj_terminal, only: print_text
    implicit none
    private
 
@@ -37,7 +38,7 @@ contains
       code = result%code
       if (args%given(OPT_JUNIT)) then
          call diff_junit(result, text)
-         call write_file(args%value(OPT_JUNIT)%s, text, error)
+         call write_output(args%value(OPT_JUNIT)%s, text, args%operand(:2), error)
          if (allocated(error)) return
       end if
       if (args%given(OPT_JSON)) then
@@ -77,6 +78,7 @@ contains
 
       sink%path = args%operand(1)%s(index(args%operand(1)%s, '/', back=.true.) + 1:)//'.h5'
       if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
+      sink%inputs = args%operand(:1)
       sink%command_line = command_line
       call convert_t01(args%operand(1)%s, sink, error)
       if (.not. allocated(error)) call print_text(sink%path)

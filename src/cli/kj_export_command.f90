@@ -2,10 +2,11 @@
 module kj_export_command
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_words, only: buffer_t
+   use kj_output, only: settle_output, write_output
    use kj_export, only: export_csv, export_json
    use kj_write_t01, only: write_t01
    use kj_option, only: arguments_t, OPT_OUTPUT, OPT_TO, OPT_SEPARATOR, OPT_DECIMAL, OPT_TFILE
-   use kj_terminal, only: print_line, print_text, write_file
+   use kj_terminal, only: print_line, print_text
    implicit none
    private
 
@@ -22,7 +23,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       type(buffer_t) :: text
-      character(len=:), allocatable :: output, form
+      character(len=:), allocatable :: output, place, titles, form
       character :: separator, decimal
       integer :: tfile
 
@@ -44,7 +45,9 @@ contains
          else if (args%n_operand > 1) then
             call fail(error, ERR_INPUT, 'a T01 holds all channels that it can; name none')
          else
-            call write_t01(args%operand(1)%s, output, tfile, error)
+            call settle_output(output, args%operand(:1), place, error)
+            call settle_output(output//'_TITLES', args%operand(:1), titles, error)
+            if (.not. allocated(error)) call write_t01(args%operand(1)%s, place, tfile, error)
          end if
       case default
          call fail(error, ERR_INPUT, 'what to write is not known from "'//form//'"')
@@ -55,7 +58,7 @@ contains
          call print_text(text%s(:text%n))
          return
       end if
-      if (form /= 't01') call write_file(output, text%s(:text%n), error)
+      if (form /= 't01') call write_output(output, text%s(:text%n), args%operand(:1), error)
       if (.not. allocated(error)) call print_line(output)
    end subroutine export_command
 

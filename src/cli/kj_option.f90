@@ -8,6 +8,7 @@ module kj_option
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_number, only: parse_real, NUMBER_FINE
    use kj_spelling, only: edit_distance
+   use kj_text, only: word_t => text_t          ! of the command line
    use kj_run_option, only: run_options, describe_run_option
    implicit none
    private
@@ -133,11 +134,6 @@ module kj_option
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)
-
-   !> A word of the command line
-   type :: word_t
-      character(len=:), allocatable :: s
-   end type word_t
 
    !> A parsed command line
    type :: arguments_t

@@ -69,6 +69,7 @@ contains
       real(wp) :: now
 
       stop = caught_signal() /= 0
+      if (stop) self%stop_code = 128 + caught_signal()
       select case (self%show)
       case (SHOW_STATUS)
          now = wall_clock()

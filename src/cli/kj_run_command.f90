@@ -124,12 +124,24 @@ contains
       call end_trace(tracer)
       outcome%elapsed = wall_clock() - started
       call simulation_worst(sim, outcome%worst, outcome%worst_json)
+      if (allocated(sink%place)) outcome%history = sink%place
+      if (allocated(error)) call say_where(sink, error)
       outcome%verdict = 'NORMAL TERMINATION'
       if (caught_signal() > 0) outcome%verdict = 'STOPPED BY USER'
       if (tracer%stopped .or. tracer%killed) outcome%verdict = 'STOPPED BY USER'
       if (allocated(error)) outcome%verdict = 'ERROR TERMINATION'
       if (tracer%saved) outcome%checkpoint = tracer%path
    end subroutine advance
+
+   !> Where the rows of a run that failed are, when not where they were to go
+   subroutine say_where(sink, error)
+      type(sink_h5_t), intent(in) :: sink
+      type(error_t), intent(inout) :: error
+
+      if (.not. allocated(sink%place) .or. allocated(error%hint)) return
+      if (sink%place == '' .or. sink%named) return
+      error%hint = 'its rows are in '//sink%place//'; '//sink%path//' is an older history'
+   end subroutine say_where
 
    subroutine print_summary(outcome)
       type(outcome_t), intent(in) :: outcome
@@ -160,7 +172,7 @@ contains
                          rate(real(s%cycle, wp)/seconds)//' cycles/s, '// &
                          rate(s%joint_cycles/seconds)//' joint-cycles/s)')
          call print_line('   slowest cost  '//costs(s, seconds))
-         call print_line('   history       '//outcome%history)
+         if (outcome%history /= '') call print_line('   history       '//outcome%history)
          if (allocated(outcome%checkpoint)) call print_line('   checkpoint    '// &
             outcome%checkpoint)
       end associate

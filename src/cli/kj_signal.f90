@@ -1,8 +1,8 @@
-!> SIGINT and SIGTERM: the first asks the run to end well, the second ends the program at once.
+!> SIGINT, SIGTERM, SIGHUP: the first asks the run to end well, the second ends the program at once.
 !> SIGUSR1 asks for a checkpoint, SIGUSR2 for the status.
 !> The flag is the one module variable of kjoint: a signal handler has no other place to write to.
 module kj_signal
-   use, intrinsic :: iso_c_binding, only: c_int, c_funptr, c_funloc
+   use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_funptr, c_funloc
    implicit none
    private
 
@@ -10,8 +10,9 @@ module kj_signal
 
    integer, parameter, public :: WISH_CHECKPOINT = 1, WISH_STATUS = 2
 
-   integer(c_int), parameter :: SIGINT = 2, SIGTERM = 15, &
+   integer(c_int), parameter :: SIGHUP = 1, SIGINT = 2, SIGTERM = 15, &
       SIGUSR1 = 10, SIGUSR2 = 12                  ! of Linux
+   integer(c_intptr_t), parameter :: SIG_IGN = 1
 
    interface
       type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
@@ -38,6 +39,8 @@ contains
       before = c_signal(SIGTERM, c_funloc(on_signal))
       before = c_signal(SIGUSR1, c_funloc(on_wish))
       before = c_signal(SIGUSR2, c_funloc(on_wish))
+      before = c_signal(SIGHUP, c_funloc(on_signal))
+      if (transfer(before, SIG_IGN) == SIG_IGN) before = c_signal(SIGHUP, before)    ! nohup
    end subroutine watch_signals
 
    !> Number of the signal that came, 0 when none did; 128 more is the exit code

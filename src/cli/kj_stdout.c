@@ -1,5 +1,5 @@
 #define _POSIX_C_SOURCE 200809L
-/* stdout, and whole text files, through the C library: it says when a write failed, which the
+/* stdout through the C library: it says when a write failed, which the
    runtime of gfortran does not. */
 #include <errno.h>
 #include <fcntl.h>
@@ -32,20 +32,4 @@ int kj_flush(void)
     errno = 0;
     int failed = fflush(stdout);
     return failed || ferror(stdout) ? (errno ? errno : EIO) : 0;
-}
-
-/* Write a file as a whole: 0, or the error number */
-int kj_write_file(const char *path, const char *text, size_t length)
-{
-    FILE *file = fopen(path, "w");
-    if (!file)
-        return errno;
-    errno = 0;
-    int failed = fwrite(text, 1, length, file) != length;
-    int reason = errno;
-    if (fclose(file) && !failed) {
-        failed = 1;
-        reason = errno;
-    }
-    return failed ? (reason ? reason : EIO) : 0;
 }

@@ -2,10 +2,11 @@
 module kj_study_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, str
+   use kj_output, only: write_output
    use kj_option, only: arguments_t, option_real, option_list, OPT_OUTPUT, OPT_QUIET, OPT_JSON, &
       OPT_ERROR, OPT_SCALES, OPT_STIFFNESS
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
-   use kj_terminal, only: print_line, print_error, write_file, may_colour, STDERR
+   use kj_terminal, only: print_line, print_error, may_colour, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_pair, json_findings
@@ -76,9 +77,8 @@ contains
       if (well) then
          root = table_root(args)
          json = study_json(study, args%operand(1)%s, wanted)
-         call write_file(root//'.json', json//EOL, error)
-         if (.not. allocated(error)) call write_file(root//'.csv', study_csv(study)//EOL, &
-            error)
+         call write_output(root//'.json', json//EOL, study%input, error)
+         call write_output(root//'.csv', study_csv(study)//EOL, study%input, error)
          well = .not. allocated(error)
       end if
       code = exit_code(findings, error)

@@ -1,12 +1,13 @@
 !> The two streams of the program, what they are connected to, and its end.
 module kj_terminal
-   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char, c_ptr, c_f_pointer
+   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char
    use, intrinsic :: iso_fortran_env, only: error_unit
-   use kj_error, only: error_t, fail, ERR_FILE
+   use kj_error, only: ERR_FILE
+   use kj_output, only: why
    implicit none
    private
 
-   public :: open_streams, print_line, print_text, write_file, print_error, print_status, &
+   public :: open_streams, print_line, print_text, print_error, print_status, &
       is_terminal, may_colour, may_overwrite, environment, quit
 
    integer, parameter, public :: STDOUT = 1, STDERR = 2    !! streams
@@ -21,10 +22,6 @@ module kj_terminal
          import :: c_int
          integer(c_int), value :: code
       end subroutine c_exit
-      type(c_ptr) function c_strerror(number) bind(c, name='strerror')
-         import :: c_int, c_ptr
-         integer(c_int), value :: number
-      end function c_strerror
       ! kj_stdout.c
       subroutine kj_open_streams() bind(c)
       end subroutine kj_open_streams
@@ -36,11 +33,6 @@ module kj_terminal
       integer(c_int) function kj_flush() bind(c)
          import :: c_int
       end function kj_flush
-      integer(c_int) function kj_write_file(path, text, length) bind(c)
-         import :: c_int, c_char, c_size_t
-         character(kind=c_char), intent(in) :: path(*), text(*)
-         integer(c_size_t), value :: length
-      end function kj_write_file
    end interface
 
 contains
@@ -80,20 +72,6 @@ contains
       write (error_unit, '(a)') text
       flush (error_unit)
    end subroutine print_error
-
-   !> Write a text to a file
-   !>
-   !> Errors: ERR_FILE when that fails
-   subroutine write_file(path, text, error)
-      character(len=*), intent(in) :: path, text
-      type(error_t), allocatable, intent(out) :: error
-
-      integer(c_int) :: reason
-
-      reason = kj_write_file(path//c_null_char, text, len(text, c_size_t))
-      if (reason /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '// &
-         trim(why(reason)))
-   end subroutine write_file
 
    !> A line on stderr over the last one; an empty text takes that away
    subroutine print_status(text)
@@ -136,22 +114,6 @@ contains
       call get_environment_variable(name, value, status=status)
       if (status == 1) value = ''
    end function environment
-
-   !> What the system calls an error
-   function why(number) result(text)
-      integer(c_int), intent(in) :: number
-      character(len=80) :: text
-
-      character(kind=c_char), pointer :: letters(:)
-      integer :: i
-
-      call c_f_pointer(c_strerror(number), letters, [len(text)])
-      text = ''
-      do i = 1, len(text)
-         if (letters(i) == c_null_char) exit
-         text(i:i) = letters(i)
-      end do
-   end function why
 
    !> End the program with an exit code; where all went well but the output did not arrive, with
    !> that of a file that cannot be written

@@ -1,5 +1,5 @@
 !> HDF5 files, groups, links and attributes in the few forms that the history layout needs.
-!> Only this module, kj_h5_write, kj_h5_store with kj_store.c and kj_h5_read use the HDF5 library.
+!> Only this module, kj_h5_write, kj_h5_store with kj_store.c, and kj_h5_read use HDF5.
 !>
 !> Every procedure takes `error` inout and does nothing once it is set, so that a row of calls
 !> needs one test. What a procedure opens it closes, on errors too; a file is closed together
@@ -8,8 +8,9 @@
 !> Errors: ERR_FILE, naming what could not be done.
 module kj_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
-   use hdf5, only: hid_t, hsize_t, size_t, h5open_f, h5dont_atexit_f, h5eset_auto_f, h5get_libversion_f, &
-      h5fcreate_f, h5fopen_f, h5fclose_f, h5pset_fapl_core_f, h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
+   use hdf5, only: hid_t, hsize_t, size_t, h5pset_fapl_core_f, h5open_f, h5dont_atexit_f, &
+      h5eset_auto_f, h5get_libversion_f, h5fcreate_f, h5fopen_f, h5fclose_f, &
+      h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
       h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, h5screate_f, &
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
       h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &

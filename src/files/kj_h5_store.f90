@@ -1,5 +1,5 @@
-!> A history file under way, which is readable after every single write (kj_store.c). HDF5 makes it in
-!> memory, complete but for its rows, and has no part in it afterwards.
+!> A history file under way, which is readable after every single write (kj_store.c). HDF5 makes it
+!> in memory, complete but for its rows, and has no part in it afterwards.
 module kj_h5_store
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_size_t, c_double, c_char, c_ptr, &
       C_NULL_PTR, c_associated, c_null_char
@@ -9,7 +9,7 @@ module kj_h5_store
    implicit none
    private
 
-   public :: begin_store, commit_rows, finish_store, close_store
+   public :: begin_store, commit_rows, last_rows, finish_store, close_store
 
    interface
       type(c_ptr) function kj_store_begin(file, h5, n_series, series, time, run, live) bind(c)
@@ -36,6 +36,11 @@ module kj_h5_store
          integer(c_int), value, intent(in) :: exit_code
       end function kj_store_finish
 
+      subroutine kj_store_last(store) bind(c)
+         import :: c_ptr
+         type(c_ptr), value, intent(in) :: store
+      end subroutine kj_store_last
+
       integer(c_int) function kj_store_close(store) bind(c)
          import :: c_int, c_ptr
          type(c_ptr), value, intent(in) :: store
@@ -60,7 +65,7 @@ contains
       store = kj_store_begin(int(descriptor, c_int), int(file, c_int64_t), &
          size(series, kind=c_size_t), int(series, c_int64_t), int(time - 1, c_size_t), &
          int(run, c_int64_t), merge(1_c_int, 0_c_int, live))
-      if (.not. c_associated(store)) call fail(error, ERR_FILE, 'cannot write the history')
+      if (.not. c_associated(store)) call fail(error, ERR_FILE, 'there is no room for a history')
    end subroutine begin_store
 
    !> From now on readers find n rows
@@ -73,6 +78,13 @@ contains
       if (kj_store_commit(store, int(n, c_size_t)) < 0) &
          call fail(error, ERR_FILE, 'cannot write the index of the history')
    end subroutine commit_rows
+
+   !> The rows that are written next are the last: they may stand where others stood a moment ago
+   subroutine last_rows(store)
+      type(c_ptr), intent(in) :: store
+
+      call kj_store_last(store)
+   end subroutine last_rows
 
    !> Tell the outcome of a run
    subroutine finish_store(store, status, ended, elapsed, cycles, exit_code, error)

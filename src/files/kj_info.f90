@@ -9,6 +9,7 @@ module kj_info
       CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, &
       CH_FINAL, CH_OWNER_KIND, CH_OWNER, OF_JOINT, OF_SPRING
    use kj_history, only: history_t, variable_t, n_entity, entity_title
+   use kj_output, only: find_part, is_written
    use kj_text, only: text_t
    use kj_reader, only: history_reader_t, open_history_file, read_rows, read_facts, &
       close_history_file
@@ -56,6 +57,7 @@ contains
 
       text = ''
       call open_history_file(path, reader, history, n_row, error)
+      if (allocated(error)) call look_beside(path, error)
       if (allocated(error)) return
       call survey_rows(reader, history, n_row, survey, error)
       if (.not. allocated(error)) call read_facts(reader, names, values, error)
@@ -142,6 +144,24 @@ contains
       json = json//'], '//json_member('values_not_finite', survey%n_bad)//'}'//new_line('a')
    end function info_json
 
+   !> Where a history is that has not got its name, in the error that it is not there
+   subroutine look_beside(path, error)
+      character(len=*), intent(in) :: path
+      type(error_t), intent(inout) :: error
+
+      character(len=:), allocatable :: part
+      logical :: exists
+
+      inquire (file=path, exist=exists)
+      if (exists) return
+      error%message = 'there is no '//path
+      call find_part(path, .true., part)
+      if (part /= '') error%hint = 'a run that is to become it writes '//part
+      if (part /= '') return
+      call find_part(path, .false., part)
+      if (part /= '') error%hint = 'a run that did not end left '//part
+   end subroutine look_beside
+
    !> Go once over all rows, a block at a time
    subroutine survey_rows(reader, history, n_row, survey, error)
       type(history_reader_t), intent(inout) :: reader
@@ -226,7 +246,11 @@ contains
          if (allocated(reader%note)) call add_fact(text, 'note', reader%note)
          return
       end if
-      call add_fact(text, 'status', fact('status', names, values, 'unknown'))
+      made = fact('status', names, values, 'unknown')
+      if (made == 'RUNNING') then
+         if (.not. is_written(path)) made = 'RUNNING, but nothing writes it: the run was killed'
+      end if
+      call add_fact(text, 'status', made)
       made = 'kjoint '//fact('version', names, values, 'of unknown version')
       made = joined(made, ', started ', fact('started', names, values, ''))
       made = joined(made, ', elapsed [s]: ', fact('elapsed_s', names, values, ''))

@@ -31,10 +31,12 @@ int kj_output_kind(const char *path)
    return lstat(path, &s) == 0 ? OTHER : NOTHING;
 }
 
-/* Where a path leads, which may be through symbolic links, into `real` of n bytes. 0: fine */
+/* Where a symbolic link leads, into `real` of n bytes. 0: it is one */
 int kj_real_path(const char *path, char *real, size_t n)
 {
    char found[PATH_MAX];
+   struct stat s;
+   if (lstat(path, &s) || !S_ISLNK(s.st_mode)) return -1;
    if (!realpath(path, found) || strlen(found) >= n) return -1;
    strcpy(real, found);
    return 0;
@@ -171,17 +173,17 @@ int kj_has_name(int file)
    return fstat(file, &s) == 0 && s.st_nlink > 0;
 }
 
-/* Write a text to an open file and close it. 0: fine */
+/* Write a text to an open file and close it. 0, or the number of the error */
 int kj_write_text(int file, size_t n, const char *text)
 {
-   int fine = 1;
+   int reason = 0;
 
-   while (fine && n > 0) {
+   while (reason == 0 && n > 0) {
       ssize_t done = write(file, text, n);
       if (done < 0 && errno == EINTR) continue;
-      fine = done > 0;
-      if (fine) text += done, n -= (size_t)done;
+      if (done < 0) reason = errno;
+      else text += done, n -= (size_t)done;
    }
-   if (close(file) < 0) fine = 0;
-   return fine ? 0 : -1;
+   if (close(file) < 0 && reason == 0) reason = errno;
+   return reason;
 }

@@ -1,13 +1,13 @@
-!> Every file that kjoint writes comes about here: beside its place, under a name of its own, and takes
-!> its place when it is whole. Only a regular file or nothing is replaced, and no input.
+!> Every file that kjoint writes comes about here: beside its place, under a name of its own, and
+!> takes its place when it is whole. Only a regular file or nothing is replaced, and no input.
 module kj_output
-   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char, c_ptr, c_f_pointer
    use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
    use kj_text, only: text_t
    implicit none
    private
 
-   public :: settle_output, open_part, name_part, has_name, find_part, is_written, write_output
+   public :: settle_output, open_part, name_part, has_name, find_part, is_written, write_output, why
 
    integer, parameter :: OTHER = 2               !! neither nothing nor a regular file
    integer, parameter :: TAKEN = -2              !! kj_part_open
@@ -68,6 +68,11 @@ module kj_output
          integer(c_size_t), value, intent(in) :: n
          character(kind=c_char), intent(in) :: text(*)
       end function kj_write_text
+
+      type(c_ptr) function c_strerror(number) bind(c, name='strerror')
+         import :: c_int, c_ptr
+         integer(c_int), value :: number
+      end function c_strerror
 
       integer(c_int) function c_remove(path) bind(c, name='remove')
          import :: c_int, c_char
@@ -184,15 +189,31 @@ contains
       character(len=:), allocatable :: place, part
       logical :: named
       integer :: file
-      integer(c_int) :: ignored
+      integer(c_int) :: reason, ignored
 
       call settle_output(path, inputs, place, error)
       call open_part(place, part, file, error)
       if (allocated(error)) return
-      if (kj_write_text(int(file, c_int), len(text, c_size_t), text) /= 0) &
-         call fail(error, ERR_FILE, 'cannot write '//path)
+      reason = kj_write_text(int(file, c_int), len(text, c_size_t), text)
+      if (reason /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(why(reason)))
       call name_part(part, place, .true., named, error)
       if (.not. named) ignored = c_remove(part//c_null_char)
    end subroutine write_output
+
+   !> What the system calls an error
+   function why(number) result(text)
+      integer(c_int), intent(in) :: number
+      character(len=80) :: text
+
+      character(kind=c_char), pointer :: letters(:)
+      integer :: i
+
+      call c_f_pointer(c_strerror(number), letters, [len(text)])
+      text = ''
+      do i = 1, len(text)
+         if (letters(i) == c_null_char) exit
+         text(i:i) = letters(i)
+      end do
+   end function why
 
 end module kj_output

@@ -4,6 +4,8 @@
 !>
 !> The file grows under a name of its own beside `path`. It takes that name at the first flush where
 !> nothing has it; in place of an older history at the end, when the run ended well or was stopped.
+!>
+!> One file: the sink, whose parts share its state.
 module kj_sink_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, C_NULL_PTR, c_associated
    use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options
@@ -22,7 +24,7 @@ module kj_sink_h5
    use kj_h5_layout, only: write_layout
    use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
       finish_background, write_buffer, write_rows
-   use kj_h5_store, only: begin_store, commit_rows, finish_store, close_store
+   use kj_h5_store, only: begin_store, commit_rows, last_rows, finish_store, close_store
    implicit none
    private
 
@@ -30,13 +32,14 @@ module kj_sink_h5
    type, extends(sink_t), public :: sink_h5_t
       ! set by the caller before open
       character(len=:), allocatable :: path           !! of the history
-      type(text_t), allocatable :: inputs(:)          !! paths of files that are not to be replaced
+      type(text_t), allocatable :: inputs(:)          !! paths that are read, besides the decks
       character(len=:), allocatable :: command_line   !! kept in /run
       logical :: reproducible = .false.               !! equal runs write equal bytes
       logical :: live = .false.                       !! readers may follow it (SWMR)
       integer :: n_threads = 1        !! of the run, kept in /run; they pack rows as big as a chunk
       !> Where the file is, now and when it was closed; empty: it was removed, having no rows
       character(len=:), allocatable :: place
+      logical :: named = .false.                      !! it has its final name
       ! own
       character(len=:), allocatable, private :: target         !! what it is to become
       integer, private :: descriptor = -1                      !! of the open file
@@ -48,7 +51,7 @@ module kj_sink_h5
       integer, private :: n_packing = 0                        !! rows packed in the background
       integer, private :: n_held = 0                           !! rows in the buffer
       logical, private :: failed = .false.                     !! a row could not be written
-      logical, private :: named = .false.                      !! the file has its final name
+      logical, private :: repeated = .false.                   !! part of a chunk was written
       ! wall clock [s]; rows put before `flushed` are readable by others
       real(wp), private :: started = 0.0_wp, flushed = 0.0_wp, last_put = 0.0_wp, handed = 0.0_wp
    contains
@@ -61,6 +64,7 @@ module kj_sink_h5
    end type sink_h5_t
 
    integer, parameter :: MOST_CHUNK_ROWS = 1024, LEAST_CHUNK_ROWS = 16   !! powers of two
+   integer, parameter :: PASSES = 2              !! that bring the last rows forward in the file
    integer, parameter :: MOST_BUFFER_BYTES = 4*1024*1024
    integer, parameter :: SIGNAL_CODE = 128       !! exit codes above: who uses it stopped the run
    real(wp), parameter :: FLUSH_SECONDS = 2.0_wp, FAST_CHUNK = 0.1_wp*FLUSH_SECONDS
@@ -68,18 +72,18 @@ module kj_sink_h5
 contains
 
    !> Create the file and write everything that is known before the first row.
-   !> Errors: ERR_INPUT when the path is an input, or of something else than a file; ERR_FILE when the
-   !> file cannot be created, or another run writes it
+   !> Errors: ERR_INPUT when the path is an input, or of something else than a file; ERR_FILE when
+   !> the file cannot be created, or another run writes it
    subroutine open_h5(self, history, error)
       class(sink_h5_t), intent(inout) :: self
       type(history_t), intent(in) :: history
       type(error_t), allocatable, intent(out) :: error
 
       type(error_t), allocatable :: closing
+      type(text_t), allocatable :: inputs(:)
 
       call give_up(self)
       if (.not. allocated(self%path)) self%path = ''
-      if (.not. allocated(self%inputs)) allocate (self%inputs(0))
       self%n_value = history%n_value
       self%n_chunk = rows_in_chunk(history)
       self%n_written = 0
@@ -87,23 +91,26 @@ contains
       self%n_packing = 0
       self%n_held = 0
       self%failed = .false.
+      self%repeated = .false.
       self%named = .false.
       self%started = wall_clock()
       self%flushed = self%started
       self%last_put = self%started
       self%handed = self%started
 
-      call settle_output(self%path, self%inputs, self%target, error)
-      call open_part(self%target, self%place, self%descriptor, error)
-      if (allocated(error)) return
+      allocate (inputs(0))
+      if (allocated(self%inputs)) inputs = [inputs, self%inputs]
+      if (allocated(history%input_path)) inputs = [inputs, history%input_path]
+      call settle_output(self%path, inputs, self%target, error)
+      self%place = ''
       call write_start(self, history, error)
       call new_packer(history, self%store, self%n_chunk, self%n_threads, self%reproducible, &
          self%packer, error)
       if (allocated(error)) then
-         error%file = self%path
          call free_packer(self%packer)
          call close_store(self%store, closing)
-         call remove_file(self%place)
+         if (self%descriptor >= 0) call remove_file(self%place)
+         self%place = ''
       end if
    end subroutine open_h5
 
@@ -130,9 +137,11 @@ contains
       integer(hid_t) :: series(size(history%variable))
 
       call start_hdf5(error)
-      call create_image(self%place, self%live, file, error)
+      call create_image(self%target//' in memory', self%live, file, error)
       call write_layout(file, history, self%n_chunk, series, error)
       call put_start(self, file, run, error)
+      self%descriptor = -1
+      call open_part(self%target, self%place, self%descriptor, error)
       call begin_store(self%descriptor, file, series, &
          findloc(history%variable%channel, CH_TIME, 1), run, self%live, self%store, error)
       call close_file(file, closing)
@@ -152,8 +161,8 @@ contains
       end do
    end function rows_in_chunk
 
-   !> Write to /run what is known at the start, and room for the outcome; reproducible leaves out what
-   !> differs between runs
+   !> Write to /run what is known at the start, and room for the outcome; reproducible leaves out
+   !> what differs between runs
    subroutine put_start(self, file, run, error)
       class(sink_h5_t), intent(in) :: self
       integer(hid_t), intent(in) :: file
@@ -249,6 +258,7 @@ contains
 
       if (.not. c_associated(self%store)) return
       call finish_packing(self, error)
+      self%repeated = self%repeated .or. self%n_held > 0
       call write_held(self, error)
       call make_readable(self, error)
    end subroutine flush_h5
@@ -357,7 +367,7 @@ contains
    end subroutine take_name
 
    !> Write the rest and the outcome and close the file, whatever fails on the way, and give it its
-   !> name. A failed run without rows leaves no file; one with rows does not replace an older history.
+   !> name. A failed run without rows leaves no file; one with rows does not replace an older one.
    !> Errors: ERR_FILE, the first
    subroutine close_h5(self, status, cycles, exit_code, error)
       class(sink_h5_t), intent(inout) :: self
@@ -368,14 +378,20 @@ contains
       type(error_t), allocatable :: closing
       character(len=:), allocatable :: ended
       logical :: known
+      integer :: i
 
       if (.not. c_associated(self%store)) return
       call finish_packing(self, error)
+      call last_rows(self%store)
       call write_held(self, error)
+      call commit_rows(self%store, self%n_ready, closing)
+      do i = 1, merge(PASSES, 0, self%repeated .and. .not. allocated(closing))
+         call write_held(self, error)            ! where the last time left room
+         call commit_rows(self%store, self%n_ready, closing)
+      end do
       call free_packer(self%packer)
       ended = date_time()
       if (self%reproducible) ended = ''
-      call commit_rows(self%store, self%n_ready, closing)
       if (allocated(error)) then
          call finish_store(self%store, as_utf8('ERROR TERMINATION: '//error%message), ended, &
             wall_clock() - self%started, cycles, error%code, closing)

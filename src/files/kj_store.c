@@ -21,7 +21,7 @@
 #include "kj_h5_form.h"
 #include "kj_store.h"
 
-enum { PAGE = KJ_PAGE, FAN = 64, QUARANTINE = 4, MOST_LEVELS = 10, NODE_HEAD = 24, LEFT = 8, RIGHT = 16,
+enum { PAGE = KJ_PAGE, FAN = 64, QUARANTINE = 3, MOST_LEVELS = 10, NODE_HEAD = 24, LEFT = 8, RIGHT = 16,
    MOST_BLOCK = 1024 };
 
 typedef struct { uint64_t address; int used, dirty; unsigned char *bytes; } kj_node;
@@ -55,7 +55,7 @@ struct kj_store {
    uint64_t heap_at;                         /* of the texts of the outcome */
    size_t n_series;
    kj_series *series;
-   long commits;
+   long commits, quarantine;
    size_t n_hole, most_holes;
    kj_hole *hole;                            /* by address */
 };
@@ -113,8 +113,8 @@ static void join_holes(kj_store *o)
 
    while (i < o->n_hole) {
       kj_hole *left = &o->hole[i - 1], *right = &o->hole[i];
-      if (left->address + left->size == right->address && left->since + QUARANTINE <= o->commits &&
-         right->since + QUARANTINE <= o->commits) {
+      if (left->address + left->size == right->address && left->since + o->quarantine <= o->commits &&
+         right->since + o->quarantine <= o->commits) {
          left->size += right->size;
          remove_hole(o, i);
       } else {
@@ -130,7 +130,7 @@ static uint64_t take_room(kj_store *o, uint64_t size)
 
    for (i = 0; i < o->n_hole; i++) {
       kj_hole *hole = &o->hole[i];
-      if (hole->size < size || hole->since + QUARANTINE > o->commits) continue;
+      if (hole->size < size || hole->since + o->quarantine > o->commits) continue;
       address = hole->address;
       hole->address += size;
       hole->size -= size;
@@ -502,6 +502,7 @@ kj_store *kj_store_begin(int file, hid_t h5, size_t n_series, const hid_t *serie
    if (!o) return NULL;
    o->file = file;
    o->n_series = n_series;
+   o->quarantine = QUARANTINE;
    o->series = calloc(n_series + 1, sizeof *o->series);
    fine = o->series && H5Fflush(h5, H5F_SCOPE_GLOBAL) >= 0 &&
       H5Fget_vfd_handle(h5, H5P_DEFAULT, (void **)&memory) >= 0 && H5Fget_filesize(h5, &size) >= 0 &&
@@ -519,18 +520,34 @@ kj_store *kj_store_begin(int file, hid_t h5, size_t n_series, const hid_t *serie
       memcpy(o->super, image, sizeof o->super);
       fine = write_at(file, o->table_at, o->n_table, o->table) == 0 &&
          write_at(file, o->heap_at, KJ_HEAP, heap) == 0 &&
-         write_at(file, 0, n, image) == 0;
+         write_at(file, sizeof o->super, n - sizeof o->super, image + sizeof o->super) == 0 &&
+         write_at(file, 0, sizeof o->super, image) == 0;    /* now it is one */
    }
    if (fine) return o;
    kj_store_free(o);
    return NULL;
 }
 
-/* Close the file, which ends where it should. Negative when that fails */
+/* What is written from now on is the last: readers of before get no more time */
+void kj_store_last(kj_store *o)
+{
+   o->quarantine = 1;
+   join_holes(o);
+}
+
+/* Close the file, after kj_store_last and a commit without what is free at its end. Negative when that
+   fails */
 int kj_store_close(kj_store *o)
 {
-   int status = ftruncate(o->file, (off_t)o->end);
+   const kj_hole *hole = o->n_hole > 0 ? &o->hole[o->n_hole - 1] : NULL;
+   int status = 0;
 
+   if (hole && o->quarantine == 1 && hole->address + hole->size == o->end && hole->since < o->commits) {
+      kj_put_end(o->super, hole->address);
+      status = write_at(o->file, 0, kj_super_size(o->super), o->super);
+      if (status == 0) o->end = hole->address;
+   }
+   if (ftruncate(o->file, (off_t)o->end) < 0) status = -1;
    if (close(o->file) < 0) status = -1;
    kj_store_free(o);
    return status;

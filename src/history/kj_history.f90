@@ -59,6 +59,7 @@ module kj_history
       type(shape_t) :: shape                         !! not allocated where a file has none
       ! deck files: name, full text, role ("starter", "engine", "include")
       type(text_t), allocatable :: input_name(:), input_text(:), input_role(:)
+      type(text_t), allocatable :: input_path(:)     !! where they were read; no sink writes there
    end type history_t
 
 contains
