@@ -7,6 +7,7 @@ module kj_restart_command
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_option, only: arguments_t, OPT_RESTART, OPT_NEW_FILE, OPT_OUTPUT
    use kj_history, only: history_t
+   use kj_output, only: find_part
    use kj_sink_h5, only: sink_h5_t
    use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
    use kj_restart_file, only: restart_t, read_restart
@@ -135,7 +136,8 @@ contains
       logical :: exists
 
       if (.not. args%given(OPT_NEW_FILE)) then
-         sink%older = restart%history
+         call find_part(restart%history, .false., sink%older)     ! of a run that was killed
+         if (sink%older == '') sink%older = restart%history
          if (.not. args%given(OPT_OUTPUT)) sink%path = restart%history
          return
       end if

@@ -135,7 +135,7 @@ contains
 
    !> Where the rows of a run that failed are, when not where they were to go
    subroutine say_where(sink, error)
-      type(sink_h5_t), intent(in) :: sink
+      type(continued_sink_t), intent(in) :: sink
       type(error_t), intent(inout) :: error
 
       if (.not. allocated(sink%place) .or. allocated(error%hint)) return

@@ -72,8 +72,9 @@ static int grows_to_be(const char *name, const char *base)
    return m == n + 7 + t && !strncmp(name, base, n) && name[n] == '.' && !strcmp(name + m - t, tail);
 }
 
-/* The next file beside `path` that grows, or grew, to be it: the one that was changed last, and that is
-   written or not as `written` says; but not `own`. Its path into `found` of n bytes. 0: there is one */
+/* The file beside `path` that grows to be it, when `written`; else that a run left which was killed, when
+   it is newer than what stands at `path`. The newest; but not `own`. Its path into `found` of n bytes.
+   0: there is one */
 int kj_find_part(const char *path, const char *own, int written, char *found, size_t n)
 {
    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
@@ -86,6 +87,7 @@ int kj_find_part(const char *path, const char *own, int written, char *found, si
    int missing = -1;
 
    if (!name) return -1;
+   if (!written && stat(path, &s) == 0) newest = s.st_mtim;
    memcpy(name, path, folder);
    strcpy(name + folder, ".");
    all = opendir(name);

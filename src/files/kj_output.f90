@@ -164,8 +164,8 @@ contains
       is_written = kj_is_written(path//c_null_char) /= 0
    end function is_written
 
-   !> The newest file beside `path` that grows to be it (written), or that a run left which was
-   !> killed; empty when there is none
+   !> The newest file beside `path` that grows to be it (written); or that a run left which was
+   !> killed, and is newer than what stands at `path`. Empty when there is none
    subroutine find_part(path, written, part)
       character(len=*), intent(in) :: path
       logical, intent(in) :: written
