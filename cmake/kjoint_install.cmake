@@ -17,6 +17,17 @@ if(KJOINT_C)
     FILES_MATCHING PATTERN "*.py")
 endif()
 
+# ---- manual pages and completions, out of what the program says of itself
+find_package(Python3 3.9 QUIET COMPONENTS Interpreter)
+if(KJOINT_IO AND Python3_FOUND AND NOT SKBUILD)
+  set(share ${PROJECT_BINARY_DIR}/share)
+  add_custom_command(OUTPUT ${share}/man/man1/kjoint.1 VERBATIM
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/manual $<TARGET_FILE:kjoint_cli> ${share}
+    DEPENDS kjoint_cli ${PROJECT_SOURCE_DIR}/tools/manual COMMENT "Manual pages")
+  add_custom_target(kjoint_manual ALL DEPENDS ${share}/man/man1/kjoint.1)
+  install(DIRECTORY ${share}/ DESTINATION ${CMAKE_INSTALL_DATADIR})
+endif()
+
 # ---- the wheel (pyproject.toml): beside the Python package, found by it
 if(SKBUILD)
   install(TARGETS kjoint_cli RUNTIME DESTINATION kjoint/bin COMPONENT wheel)
@@ -30,6 +41,7 @@ install(FILES ${PROJECT_BINARY_DIR}/kjoint-config.cmake
   ${PROJECT_BINARY_DIR}/kjoint-config-version.cmake DESTINATION ${package_dir})
 
 # ---- licences: that of kjoint, and that of HDF5 where the program holds it
+install(DIRECTORY decks DESTINATION ${CMAKE_INSTALL_DATADIR}/kjoint FILES_MATCHING PATTERN "*.rad")
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 if(KJOINT_IO AND KJOINT_STATIC_HDF5 AND KJOINT_HDF5_HAS_ARCHIVES)
   find_file(KJOINT_HDF5_LICENCE NAMES copyright COPYING LICENSE PATHS /usr/share/doc/libhdf5-dev
@@ -67,6 +79,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gfortran, liblapack-dev, libhdf5-dev, zlib1g-dev, libisal-dev")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy, python3-matplotlib")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS
+  "python3-matplotlib, python3-h5py, gfortran, liblapack-dev, libhdf5-dev, zlib1g-dev, libisal-dev")
 include(CPack)

@@ -195,6 +195,9 @@ int kj_model_restore(kj_model *model, size_t size, const void *state);
 int kj_model_channels(const kj_model *model, char *buffer, size_t size);
 int kj_model_shape(kj_model *model, const char *channel, int *n_row, int *n_entity, int *n_comp);
 int kj_model_series(kj_model *model, const char *channel, int count, double *values);
+/* One curve over the samples, as the command line names it: "joint/force[pin C].x", "mass".
+ * values[count], count = n_row */
+int kj_model_curve(kj_model *model, const char *name, int count, double *values);
 /* Unit of a channel, such as "kg m s-2" */
 int kj_model_unit(kj_model *model, const char *channel, char *buffer, size_t size);
 /* The samples as a history file (HDF5); KJ_FILE when the library was built without it */

@@ -96,6 +96,7 @@ def _declare(library):
         "kj_model_restore": [p, ct.c_size_t, p], "kj_model_sample": [p], "kj_model_status": [p, p],
         "kj_model_channels": [p] + text, "kj_model_shape": [p, TEXT, p, p, p],
         "kj_model_series": [p, TEXT, INT, numbers], "kj_model_unit": [p, TEXT] + text,
+        "kj_model_curve": [p, TEXT, INT, numbers],
         "kj_model_write_history": [p, TEXT], "kj_model_body_count": [p, p],
         "kj_model_joint_count": [p, p], "kj_model_body_ids": [p, INT, p],
         "kj_model_joint_ids": [p, INT, p], "kj_model_body": [p, INT, p],

@@ -158,6 +158,12 @@ class Model(Handle):
             values = values[:, :, 0]
         return values[:, 0] if "/" not in channel else values
 
+    def curve(self, name):
+        """One curve over the samples, as the command line names it: joint/force[pin C].norm."""
+        values = np.empty(len(self["time"]))
+        self._call("curve", encoded(name), len(values), values)
+        return values
+
     def unit(self, channel):
         buffer = ct.create_string_buffer(100)
         self._call("unit", encoded(channel), buffer, 100)

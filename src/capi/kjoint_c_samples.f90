@@ -7,12 +7,14 @@ module kjoint_c_samples
    use kj_version, only: KJOINT_VERSION
    use kj_history, only: history_t, variable_t
    use kj_channels, only: channels, groups
+   use kj_series, only: series_t, find_series, series_value
    use kjoint, only: simulation_history
    use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, put_text, OK, OF_MODEL
    implicit none
    private
 
-   public :: kj_version, kj_model_channels, kj_model_shape, kj_model_series, kj_model_unit
+   public :: kj_version, kj_model_channels, kj_model_shape, kj_model_series, kj_model_unit, &
+      kj_model_curve
 
 contains
 
@@ -141,5 +143,40 @@ contains
       history = simulation_history(box%sim)
       status = put_text(unit_text(channels(v%channel)%dim, history%units), buffer, size)
    end function kj_model_unit
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_curve(model, name, count, values) bind(c) result(status)
+      type(c_ptr), value :: model, name, values
+      integer(c_int), value :: count
+
+      type(box_t), pointer :: box
+      type(series_t), allocatable :: series(:)
+      type(error_t), allocatable :: error
+      real(c_double), pointer :: y(:)
+      character(len=:), allocatable :: text
+      integer :: i
+
+      if (.not. entered(model, OF_MODEL, box, status, c_associated(values), 'values is null')) &
+         return
+      call get_text(name, text)
+      associate (samples => box%samples)
+         call find_series(simulation_history(box%sim), text, series, error)
+         if (.not. allocated(error)) then
+            if (size(series) /= 1) then
+               call fail(error, ERR_INPUT, text//' means '//str(size(series))// &
+                  ' curves, not one, such as '//series(1)%name)
+            else if (count /= samples%n_row) then
+               call fail(error, ERR_INPUT, 'there are '//str(samples%n_row)//' samples, not '// &
+                  str(int(count)))
+            end if
+         end if
+         status = outcome(error, box%message)
+         if (status /= OK) return
+         call c_f_pointer(values, y, [count])
+         do i = 1, samples%n_row
+            y(i) = series_value(samples%history, series(1), samples%rows(:, i))
+         end do
+      end associate
+   end function kj_model_curve
 
 end module kjoint_c_samples

@@ -515,6 +515,20 @@ class Learn(Program):
         self.assertIn("there already", done.stderr)
         self.assertIn("did you mean", self.kjoint("new", "slidr_crank", code=2).stderr)
 
+    def test_manual_pages_and_completions_know_every_command_and_option(self):
+        subprocess.run([sys.executable, SOURCE / "tools" / "manual", KJOINT, self.folder / "share"], check=True)
+        share = self.folder / "share"
+        words = (share / "bash-completion/completions/kjoint").read_text()
+        for name in ("run", "check", "diff", "new", "help"):
+            page = (share / f"man/man1/kjoint-{name}.1").read_text()
+            for option in re.findall(r"^ {3}(?:-\w, | {4})(--[\w-]+)", self.kjoint("help", name).stdout, re.M):
+                self.assertIn(option.replace("-", "\\-"), page)
+                self.assertIn(option, words)
+        done = subprocess.run(["bash", "-c", f"source {share}/bash-completion/completions/kjoint; "
+                               "COMP_WORDS=(kjoint run --kn-s); COMP_CWORD=2; _kjoint; echo ${COMPREPLY[@]}"],
+                              capture_output=True, text=True, check=True)
+        self.assertEqual("--kn-scale\n", done.stdout)
+
     def test_the_pages_in_the_documents_are_those_of_the_program(self):
         cards = subprocess.run([sys.executable, SOURCE / "tools" / "cards", KJOINT, "-"],
                                capture_output=True, text=True, check=True).stdout
