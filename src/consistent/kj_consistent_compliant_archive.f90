@@ -75,6 +75,7 @@ contains
       call keep(self, pace%since)
       call keep(self, pace%drift)
       call keep(self, pace%failed)
+      call keep(self, pace%tries)
       call keep(self, pace%passes)
       call keep(self, pace%halvings)
       call keep(self, pace%rejected)

@@ -60,8 +60,12 @@ contains
          allocate (self%y(n, 3), self%turn(n, 3), self%wrench(9, model%n_element), &
             self%free(3, 3, 2, merge(n, 0, any(self%partly))), source=0.0_wp)
          call new_leads(model, state, self%start)
-         self%then%joint = state%joint
-         self%then%rows = self%joint
+         allocate (self%then%joint(model%n_element, 21), self%then%rows(model%n_element, 6, 3), &
+            self%f(n, 3), self%t(n, 3), source=0.0_wp)
+         allocate (self%then%limit(size(model%batch)))
+         do b = 1, size(model%batch)
+            if (model%batch(b)%limited) self%then%limit(b)%block = state%joint(b)%limit
+         end do
          self%then%turn = state%turn
          self%then%node = state%node
          self%then%skew = state%skew

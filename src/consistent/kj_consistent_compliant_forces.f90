@@ -2,6 +2,7 @@
 !> a pose, explicit springs, stops and friction, dampers of explicit rows, locks, and their
 !> energies.
 !> Source: docs/theory/compliant.md 2, 5.
+!> One file: what a step does with the joints, stage by stage.
 module kj_consistent_compliant_forces
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
@@ -18,7 +19,7 @@ module kj_consistent_compliant_forces
    private
 
    public :: see_joints, spring_forces, damper_rows, add_rests, put_forces, close_rows, &
-      renew_locks, ALL_DOFS
+      take_coordinates, renew_locks, locks_turn, ALL_DOFS
 
    logical, parameter :: ALL_DOFS(NDOF) = .true.
    real(wp), parameter :: SAME_TIME = 1.0e-9_wp  !! of the time itself
@@ -269,14 +270,37 @@ contains
                      n, rows%b, rate)
                   call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
                end if
-               lanes%q(:n, :) = rows%q(:n, :)
-               lanes%b = rows%b
                rows%f_before(:n, :) = rows%f_last(:n, :)
                rows%f_last(:n, :) = rows%f(:n, :)
             end associate
          end do
       end do
+      call take_coordinates(model, state, self)
    end subroutine close_rows
+
+   !> Coordinates and B of the pose that was tried become those of the joints
+   subroutine take_coordinates(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(in) :: self
+
+      integer :: piece, b, at, from, n
+
+      !$omp parallel do schedule(static) num_threads(model%team%threads) &
+      !$omp private(b, from, at, n) if(model%team%threads > 1)
+      do piece = 1, size(model%team%joint, 2)
+         b = model%team%joint(1, piece)
+         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
+            n = min(BLOCK, model%team%joint(3, piece) - from + 1)
+            at = (from - 1)/BLOCK + 1
+            state%joint(b)%block(at)%q(:n, :) = self%joint(b)%block(at)%q(:n, :)
+            state%joint(b)%block(at)%b%force(:n, :) = self%joint(b)%block(at)%b%force(:n, :)
+            state%joint(b)%block(at)%b%couple(:n, :) = self%joint(b)%block(at)%b%couple(:n, :)
+            state%joint(b)%block(at)%b%turn(:n, :) = self%joint(b)%block(at)%b%turn(:n, :)
+            state%joint(b)%block(at)%b%apart(:n, :) = self%joint(b)%block(at)%b%apart(:n, :)
+         end do
+      end do
+   end subroutine take_coordinates
 
    !> Half a step of the power of dampers of explicit rows
    pure subroutine take_power(n, h, explicit, f, rate, dissipated)
@@ -321,6 +345,23 @@ contains
          rows%elastic(i) = stored(i)
       end do
    end subroutine count_work
+
+   !> Some lock begins or ends now
+   pure logical function locks_turn(model, state) result(turn)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+
+      integer :: b
+
+      turn = .false.
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%limited) cycle
+         associate (l => model%batch(b)%limit)
+            turn = turn .or. any(abs(l%t_lock - state%time) <= SAME_TIME*state%time) .or. &
+               any(abs(l%t_free - state%time) <= SAME_TIME*state%time)
+         end associate
+      end do
+   end function locks_turn
 
    !> Locks that begin or end now: their free rows become implicit ones, or free again. changed:
    !> some did

@@ -10,6 +10,7 @@ module kj_consistent_compliant_march
    use kj_consistent_compliant_step, only: compliant_step
    use kj_consistent_compliant_build, only: new_compliant
    use kj_consistent_compliant_start, only: start_velocities
+   use kj_consistent_compliant_forces, only: locks_turn
    use kj_consistent_compliant_stops, only: stop_step
    use kj_consistent_compliant_undo, only: undo_step
    implicit none
@@ -19,6 +20,7 @@ module kj_consistent_compliant_march
 
    integer, parameter :: LOOK = 4                !! steps between two looks at the error
    integer, parameter :: MOST_HALVINGS = 6
+   integer, parameter :: MOST_TRIES = 12
    integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
    real(wp), parameter :: TOO_LARGE = 4.0_wp     !! error of a step over the allowed: taken back
    real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
@@ -47,6 +49,7 @@ module kj_consistent_compliant_march
       integer :: since = 0                       !! steps since the last look
       real(wp) :: drift = 0.0_wp                 !! sum of error over h since then
       integer :: failed = 0                      !! halvings in a row
+      integer :: tries = 0                       !! of a step, after the first
       integer :: passes = 0, halvings = 0, rejected = 0   !! of the run
       type(bound_t) :: bound
    end type pace_t
@@ -187,15 +190,22 @@ contains
             cycle
          end if
          self%failed = 0
-         if (is_wrong(model, state, self)) then
+         good = self%tries == MOST_TRIES
+         if (.not. good) good = .not. is_wrong(model, state, self)
+         if (.not. good) then
+            self%tries = self%tries + 1
             call undo_step(model, state)
             self%rejected = self%rejected + 1
             call divide(target, state, self)
             cycle
          end if
+         self%tries = 0
          self%left = self%left - 1
          if (self%left == 0) state%time = self%target
          call watch(model, state, self)
+         if (self%limited .and. self%left == 0) then
+            if (locks_turn(model, state)) call start_velocities(model, self%h, state)
+         end if
          arrived = .not. t_end > state%time
          if (arrived) return
       end do

@@ -57,9 +57,12 @@ contains
          call kick(model, state, h, 1, model%n_lead)
          call project_all(model, final, active, WHOLE, state)
          state%work = work
-         self%loss = before - kinetic(model, state)
-         self%kinetic = before
-         if (state%cycle > 0) call count_loss(model, h, state, self)
+         if (state%cycle > 0) then
+            call count_loss(model, h, state, self)
+         else
+            self%loss = before - kinetic(model, state)
+            self%kinetic = before
+         end if
          self%jump = 0
       end associate
       call find_explicit(model, final, active, state)

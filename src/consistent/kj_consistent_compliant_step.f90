@@ -269,10 +269,9 @@ contains
       logical, intent(out) :: good
 
       logical :: any_rest
-      real(wp), allocatable :: f(:, :), t(:, :)
 
-      f = state%f
-      t = state%t
+      state%compliant%f(:, :) = state%f
+      state%compliant%t(:, :) = state%t
       call look_leads(model, h, final, active, 1, model%n_lead, state)
       associate (self => state%compliant)
          if (self%any_damper) then
@@ -280,8 +279,8 @@ contains
             if (any_rest) then
                call add_rests(model, state, self)
                call look_leads(model, h, final, active, 1, model%n_lead, state)
-               state%f = f
-               state%t = t
+               state%f(:, :) = self%f
+               state%t(:, :) = self%t
             end if
          end if
          call velocity_sides(model, h, state, self, .false.)
@@ -292,8 +291,8 @@ contains
          call put_forces(model, .false., self, state)
          call kick_leads(model, h, final, active, 1, model%n_lead, state)
          call count_work(SECOND_HALF, state)
-         state%f = f
-         state%t = t
+         state%f(:, :) = self%f
+         state%t(:, :) = self%t
          call estimate_error(model, h, state, self)
       end associate
    end subroutine velocity_stage
@@ -386,9 +385,27 @@ contains
       call motion_targets(model, state, h, mean, final, active)
       call position_stage(model, h, mean, active, state, good)
       call restore_leads(state)
-      if (.not. good) return
+      if (.not. good) then
+         call forget_guess(model, state%compliant)
+         return
+      end if
       state%compliant%known = state%cycle
       state%compliant%h_known = h
    end subroutine look_ahead
+
+   !> Multipliers that did not converge may be no numbers: those of the last step instead
+   pure subroutine forget_guess(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(inout) :: self
+
+      integer :: b, at
+
+      do b = 1, size(model%batch)
+         do at = 1, size(self%joint(b)%block)
+            call extrapolate(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), 0.0_wp, &
+               self%joint(b)%block(at))
+         end do
+      end do
+   end subroutine forget_guess
 
 end module kj_consistent_compliant_step

@@ -4,7 +4,7 @@
 module kj_consistent_compliant_types
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
-   use kj_consistent_batch, only: matrix_t, consistent_joint_t
+   use kj_consistent_batch, only: matrix_t, limit_block_t
    use kj_gravity, only: gravity_t
    implicit none
    private
@@ -79,12 +79,18 @@ module kj_consistent_compliant_types
       real(wp), allocatable :: v_half(:, :), w_half(:, :), l_half(:, :)
    end type leads_then_t
 
-   !> What else a step changes, as it was at its start
+   !> Limits of a batch
+   type :: limits_then_t
+      type(limit_block_t), allocatable :: block(:)
+   end type limits_then_t
+
+   !> What else a step changes, as it was at its start. Coordinates and B follow from the poses.
    type :: then_t
       integer :: cycle = 0, jump = 0
       real(wp) :: time = 0.0_wp, work = 0.0_wp, h_last = 0.0_wp
-      type(consistent_joint_t), allocatable :: joint(:)
-      type(compliant_joint_t), allocatable :: rows(:)
+      !> (n_element, 21) and (n_element, 6, 3) of the joints
+      real(wp), allocatable :: joint(:, :), rows(:, :, :)
+      type(limits_then_t), allocatable :: limit(:)    !! (batches)
       real(wp), allocatable :: turn(:, :), node(:, :), skew(:, :), motion_at(:)
       real(wp), allocatable :: load_force(:, :), load_place(:, :)
       type(gravity_t), allocatable :: field(:)
@@ -105,6 +111,8 @@ module kj_consistent_compliant_types
       logical, allocatable :: explicit(:, :)     !! (6, batches) rows that are not implicit
       logical, allocatable :: damped(:)          !! (batches) some explicit row has a damper
       logical, allocatable :: partly(:)          !! (n_lead) some directions held
+      !> (n_lead, 3) explicit forces and moments while those of constraints are added
+      real(wp), allocatable :: f(:, :), t(:, :)
       !> (3, 3, 2, n_lead) projector on the free directions of these, translations and rotations
       real(wp), allocatable :: free(:, :, :, :)
       logical :: factored = .false.              !! the matrix of position stages is there

@@ -1,7 +1,12 @@
 !> A step of the integrator `compliant` that went wrong is taken back: what it changed.
 !> Source: docs/theory/compliant.md 3, 6.
 module kj_consistent_compliant_undo
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_consistent_batch, only: consistent_joint_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_compliant_types, only: compliant_joint_t
+   use kj_consistent_compliant_forces, only: see_joints, take_coordinates
    implicit none
    private
 
@@ -61,13 +66,11 @@ contains
          then%jump = self%jump
          then%h_last = self%h_last
          do b = 1, size(model%batch)
-            do i = 1, size(state%joint(b)%block)
-               then%joint(b)%block(i) = state%joint(b)%block(i)
-               then%rows(b)%block(i) = self%joint(b)%block(i)
-            end do
+            call keep_joints(model%batch(b)%first, model%batch(b)%n, state%joint(b), &
+               self%joint(b), then%joint, then%rows)
             if (.not. allocated(state%joint(b)%limit)) cycle
             do i = 1, size(state%joint(b)%limit)
-               then%joint(b)%limit(i) = state%joint(b)%limit(i)
+               then%limit(b)%block(i) = state%joint(b)%limit(i)
             end do
          end do
          then%turn(:, :) = state%turn
@@ -98,15 +101,15 @@ contains
          self%jump = then%jump
          self%h_last = then%h_last
          do b = 1, size(model%batch)
-            do i = 1, size(state%joint(b)%block)
-               state%joint(b)%block(i) = then%joint(b)%block(i)
-               self%joint(b)%block(i) = then%rows(b)%block(i)
-            end do
+            call restore_joints(model%batch(b)%first, model%batch(b)%n, then%joint, then%rows, &
+               state%joint(b), self%joint(b))
             if (.not. allocated(state%joint(b)%limit)) cycle
             do i = 1, size(state%joint(b)%limit)
-               state%joint(b)%limit(i) = then%joint(b)%limit(i)
+               state%joint(b)%limit(i) = then%limit(b)%block(i)
             end do
          end do
+         call see_joints(model, state, self)
+         call take_coordinates(model, state, self)
          state%turn(:, :) = then%turn
          state%node(:, :) = then%node
          state%skew(:, :) = then%skew
@@ -120,5 +123,53 @@ contains
          self%known = -1
       end associate
    end subroutine undo_step
+
+   subroutine keep_joints(first, n_joint, joint, rows, kept, multipliers)
+      integer, intent(in) :: first, n_joint      !! joints before the batch, in it
+      type(consistent_joint_t), intent(in) :: joint
+      type(compliant_joint_t), intent(in) :: rows
+      real(wp), intent(inout) :: kept(:, :), multipliers(:, :, :)
+
+      integer :: at, from, to, n
+
+      do at = 1, size(joint%block)
+         n = min(BLOCK, n_joint - BLOCK*(at - 1))
+         from = first + BLOCK*(at - 1) + 1
+         to = from + n - 1
+         kept(from:to, 1:6) = joint%block(at)%qd(:n, :)
+         kept(from:to, 7:12) = joint%block(at)%fe(:n, :)
+         kept(from:to, 13:18) = joint%block(at)%fd(:n, :)
+         kept(from:to, 19) = joint%block(at)%elastic(:n)
+         kept(from:to, 20) = joint%block(at)%dissipated(:n)
+         kept(from:to, 21) = rows%block(at)%elastic(:n)
+         multipliers(from:to, :, 1) = rows%block(at)%f_last(:n, :)
+         multipliers(from:to, :, 2) = rows%block(at)%f_before(:n, :)
+         multipliers(from:to, :, 3) = rows%block(at)%g(:n, :)
+      end do
+   end subroutine keep_joints
+
+   subroutine restore_joints(first, n_joint, kept, multipliers, joint, rows)
+      integer, intent(in) :: first, n_joint
+      real(wp), intent(in) :: kept(:, :), multipliers(:, :, :)
+      type(consistent_joint_t), intent(inout) :: joint
+      type(compliant_joint_t), intent(inout) :: rows
+
+      integer :: at, from, to, n
+
+      do at = 1, size(joint%block)
+         n = min(BLOCK, n_joint - BLOCK*(at - 1))
+         from = first + BLOCK*(at - 1) + 1
+         to = from + n - 1
+         joint%block(at)%qd(:n, :) = kept(from:to, 1:6)
+         joint%block(at)%fe(:n, :) = kept(from:to, 7:12)
+         joint%block(at)%fd(:n, :) = kept(from:to, 13:18)
+         joint%block(at)%elastic(:n) = kept(from:to, 19)
+         joint%block(at)%dissipated(:n) = kept(from:to, 20)
+         rows%block(at)%elastic(:n) = kept(from:to, 21)
+         rows%block(at)%f_last(:n, :) = multipliers(from:to, :, 1)
+         rows%block(at)%f_before(:n, :) = multipliers(from:to, :, 2)
+         rows%block(at)%g(:n, :) = multipliers(from:to, :, 3)
+      end do
+   end subroutine restore_joints
 
 end module kj_consistent_compliant_undo
