@@ -329,6 +329,23 @@ class Check(Program):
         self.assertEqual(41, joint["limits"][0]["friction_function"])
         self.assertIn("6.0000E+00 * f 41", text)
 
+    def test_the_nodal_rule_is_that_of_legacy(self):
+        # two pieces of code; the first step of legacy, 0.9 of the rule, is that of OpenRadioss
+        def compare(deck):
+            rule = json.loads(self.kjoint("check", "--json", deck).stdout)["nodal_step"]
+            first = json.loads(self.kjoint("run", "--legacy", "--json", deck, "--until", "1e-9").stdout)
+            # its 0.9 has 32 bits
+            self.assertLess(abs(first["time_step"]/(0.9*rule) - 1), 3e-8, deck)
+            return rule
+
+        for case in ("parity/FRE01", "parity/SPH01", "parity45/KREV1", "parity45/KFRE1"):
+            compare(SOURCE / "tests" / case / f"{case.split('/')[1]}_0000.rad")
+        by_inertia = compare("REV01_0000.rad")
+        self.deck_with("0.0262512168304855670.0473428526495739760.056405930519940466",
+                       "               1e12                1e12                1e12")
+        by_mass = compare("REV01_0000.rad")
+        self.assertGreater(by_mass, 1.01*by_inertia)
+
     def test_joints_without_limits_have_no_such_table(self):
         self.assertNotIn("friction", self.kjoint("check", "REV01_0000.rad").stdout)
 

@@ -159,6 +159,49 @@ class Models(unittest.TestCase):
                 model.step()
             np.testing.assert_array_equal(first, model.run()["joint/force"])
 
+    def test_legacy_samples_come_an_interval_after_the_last_or_with_the_next_cycle(self):
+        # steps of 0.028 until a spring becomes stiff, then short ones: what was missed is not made up
+        m = kjoint.Mechanism("stiff")
+        body = m.body(1.0, (1, 1, 1), at=(0, 0, 0), velocity=(1, 0, 0))
+        m.joint("free", m.ground(), body, at=(0, 0, 0), k={"tx": 1e3})
+        points = "".join(f"{x:20g}{y:20g}\n" for x, y in ((-1, -1), (0.02, 0.02), (0.22, 40.02)))
+        text = m.deck().replace("/FUNCT/1\n", f"/FUNCT/2\nstiff\n{points}/FUNCT/1\n")
+        text = text.replace(f"{1e3:20.13e}         0", f"{1e3:20.13e}         2", 1)
+        self.addCleanup(os.remove, "stiff_0000.rad")
+        with open("stiff_0000.rad", "w") as file:
+            file.write(text)
+        options = dict(until=0.15, formulation="legacy")
+        cycles = kjoint.Model("stiff_0000.rad", sample=0.0, **options).run()["time"]
+        steps = np.diff(cycles)
+        self.assertGreater(steps[0], 0.02)
+        self.assertLess(steps.min(), 0.005)
+        wanted, following = [], 0.0
+        for time in cycles:
+            if time >= following:
+                wanted.append(time)
+                following = max(time, following + 0.01)
+        found = kjoint.Model("stiff_0000.rad", sample=0.01, **options).run()["time"]
+        np.testing.assert_array_equal(wanted, found[:len(wanted)])
+        self.assertLessEqual(len(found), len(wanted) + 1)        # the last state
+
+    def test_islands_add_up_to_the_scene(self):
+        # two sliders of 2 and 4 kg, 0.1 s under 3 N each: work F^2 t^2/(2 m) = 0.0225 + 0.01125
+        m = kjoint.Mechanism("two")
+        bodies = [m.body(mass, (1, 1, 1), at=(0, y, 0)) for mass, y in ((2.0, 0), (4.0, 1))]
+        for body, y in zip(bodies, (0, 1)):
+            m.joint("translational", m.ground(), body, at=(0, y, 0))
+        loads = "".join(f"/CLOAD/{body}\npush\n{1:10d}         X         0         0{9200000 + body:10d}"
+                        f"         1{1.0:20.1f}{3.0:20.1f}\n" for body in bodies)
+        with tempfile.TemporaryDirectory() as folder:
+            deck = os.path.join(folder, "two_0000.rad")
+            with open(deck, "w") as file:
+                file.write(m.deck().replace("/TH/SPRING/1\n", loads + "/TH/SPRING/1\n"))
+            for islands in (False, True):
+                run = kjoint.Model(deck, until=0.1, sample=0.05, islands=islands).run()
+                self.assertAlmostEqual(0.03375, run["external_work"][-1], 6)
+                self.assertAlmostEqual(0.03375, run["kinetic_energy_trans"][-1], 6)
+                self.assertLess(abs(run["energy_error"][-1]), 1e-6)
+
     def test_a_locked_joint_stays(self):
         m = kjoint.Mechanism("locked", gravity=(0, 0, -9.81))
         bar = m.body(1.0, (0.01, 0.1, 0.1), at=(0.5, 0, 0))
