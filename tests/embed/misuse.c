@@ -233,7 +233,7 @@ static void model_level(const char *deck) {
   NEW(kj_model_load(NULL, NULL, NULL, &model, text, sizeof text), "null");
   NEW(kj_model_load(deck, NULL, NULL, NULL, text, sizeof text), "null");
   NEW(kj_model_load(deck, NULL, "formulation=fast", &model, text, sizeof text), "fast");
-  NEW(kj_model_load(deck, NULL, "until=1 fast=1", &model, text, sizeof text), "no option fast");
+  NEW(kj_model_load(deck, NULL, "until=1 quick=1", &model, text, sizeof text), "no option quick");
   NEW(kj_model_load(deck, NULL, "until", &model, text, sizeof text), "until needs a value");
   NEW(kj_model_load(deck, NULL, "until=0,1", &model, text, sizeof text), "a number");
   NEW(kj_model_load(deck, NULL, "threads=0", &model, text, sizeof text), "whole number");

@@ -17,7 +17,7 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).parents[2]
 CASES = [("decks/slider_crank_0000.rad", []), ("decks/slider_crank_0000.rad", ["--legacy"]),
-         ("tests/parity/CHA05/CHA05_0000.rad", []), ("tests/parity/UNI05/UNI05_0000.rad", ["--legacy"]),
+         ("decks/oldham_coupling_0000.rad", []), ("tests/parity/UNI05/UNI05_0000.rad", ["--legacy"]),
          ("tests/parity/SK201/SK201_0000.rad", [])]
 
 
