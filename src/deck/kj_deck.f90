@@ -7,7 +7,7 @@ module kj_deck
    use kj_units, only: unit_system_t, factor_of
    use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_KJOINT2, KW_INIVEL_AXIS
    use kj_card_fields, only: field_range
-   use kj_deck_text, only: deck_t, report_file, report_header, mute_block, report_line
+   use kj_deck_text, only: deck_t, source_t, report_file, report_header, mute_block, report_line
    use kj_deck_scan, only: scan_deck
    use kj_deck_flat, only: flatten_deck
    use kj_parameter, only: setting_t
@@ -72,18 +72,19 @@ contains
    !>
    !> Never stops at a finding. deck%readable is .false. when there is no sense in going on.
    !> Errors: findings with code ERR_FILE when a file cannot be read, else ERR_INPUT.
-   subroutine read_deck(path, deck, lenient, full, settings)
+   subroutine read_deck(path, deck, lenient, full, settings, source)
       character(len=*), intent(in) :: path
       type(deck_t), intent(inout) :: deck      !! a new one; what is found joins its findings
       logical, intent(in), optional :: lenient   !! what is out of scope is left out; .false.
       logical, intent(in), optional :: full      !! the mechanism will be taken out of it; .false.
       type(setting_t), intent(in), optional :: settings(:)   !! parameters from outside
+      type(source_t), intent(inout), optional :: source   !! the deck, in place of the file; moved
 
       if (present(full)) deck%full = full
       deck%lenient = deck%full
       if (present(lenient)) deck%lenient = deck%lenient .or. lenient
       call field_range(deck%field_first, deck%field_last)
-      call scan_deck(path, deck)
+      call scan_deck(path, deck, source)
       if (.not. deck%readable) return
       call read_begin(deck)
       if (present(settings)) call flatten_deck(deck, settings)

@@ -33,9 +33,10 @@ contains
    !> Read a deck and all it includes, and find its blocks
    !>
    !> Errors: findings with code ERR_FILE when a file cannot be read, else ERR_INPUT.
-   subroutine scan_deck(path, deck)
+   subroutine scan_deck(path, deck, given)
       character(len=*), intent(in) :: path
       type(deck_t), intent(inout) :: deck
+      type(source_t), intent(inout), optional :: given   !! its text, in place of the file
 
       type(scan_t) :: scan
       type(source_t) :: source
@@ -44,7 +45,9 @@ contains
       if (deck%lenient) scan%severity = SEV_WARNING
       scan%folder = folder_of(path)
       allocate (deck%source(4), deck%block(64), deck%submodel(0))
-      call load_source(path, 'starter', source, problem)
+      problem = ''
+      if (present(given)) call move_source(given, source)
+      if (.not. present(given)) call load_source(path, 'starter', source, problem)
       if (len(problem) > 0) then
          call add_file_finding('KJ-9030', 'the deck cannot be read: '//problem, path, 0, '', 0, 0, &
             deck%findings)

@@ -3,8 +3,8 @@
 !> A body with a wrong main node is kept for the checks that follow: another of its nodes stands in.
 module kj_build_body
    use kj_kinds, only: wp
-   use kj_error, only: error_t, str, SEV_ERROR, SEV_WARNING
-   use kj_keywords, only: KW_RBODY
+   use kj_error, only: error_t, str, SEV_ERROR, SEV_WARNING, SEV_NOTE
+   use kj_keywords, only: KW_RBODY, KW_RBE2
    use kj_deck_text, only: deck_t, title_of
    use kj_cards, only: cards_t, read_cards, real_of, int_of, report
    use kj_draft, only: draft_t, group_nodes, reference, find_blocks, node_of
@@ -35,7 +35,8 @@ contains
       type(crew_t), allocatable :: crew(:)
       integer :: b, n, n_error
 
-      call find_blocks(draft%deck, [KW_RBODY], 'rigid body', draft%body_block, draft%body_id)
+      call find_blocks(draft%deck, pack([KW_RBODY, KW_RBE2], [.true., draft%deck%full]), &
+         'rigid body', draft%body_block, draft%body_id)
       draft%body_block = draft%body_block(draft%body_id%place)
       n = size(draft%body_block)
       allocate (crew(n))
@@ -95,13 +96,20 @@ contains
       type(draft_t), intent(inout) :: draft
       type(crew_t), intent(inout) :: crew
 
+      integer :: made
+
       if (int_of(cards, 'node_id') == 0) then
-         call report(draft%deck, cards, 'node_id', SEV_ERROR, 'KJ-3122', &
-            'the rigid body has no main node', 'expected: id of a node', &
-            hint='kjoint does not create nodes: define one and name it here')
-         return
+         made = findloc(draft%made_main, cards%block, 1)
+         if (made == 0) return
+         crew%main = draft%n_node - size(draft%made_main) + made
+         call report(draft%deck, cards, 'node_id', merge(SEV_WARNING, SEV_NOTE, &
+            real_of(cards, 'Mass') > 0.0_wp .or. int_of(cards, 'ICoG') >= 3), 'KJ-3122', &
+            'the rigid body has no main node: node '//str(draft%id(crew%main))//' is made', &
+            'at the origin, as in Radioss', hint='a Mass here sits at the origin, and with ICoG '// &
+            '3 and 4 the body turns about it')
+      else
+         crew%main = node_of(draft, cards, 'node_id')
       end if
-      crew%main = node_of(draft, cards, 'node_id')
       if (crew%main == 0) return
       if (draft%main_of(crew%main) > 0) then
          call report(draft%deck, cards, 'node_id', SEV_ERROR, 'KJ-0442', &
@@ -120,13 +128,14 @@ contains
 
       real(wp) :: a(3, 3)
       integer :: skew
+      logical :: sensed
 
       associate (input => crew%input)
          input%swept = draft%legacy
          input%icog = choice_of(draft%deck, cards, 'ICoG', 4, 1, 'KJ-9114')
          input%ispher = choice_of(draft%deck, cards, 'Ispher', 3, 2, 'KJ-9115')
-         if (int_of(cards, 'sens_id') > 0) call report(draft%deck, cards, 'sens_id', SEV_ERROR, &
-            'KJ-9116', 'rigid bodies that a sensor switches are not supported', 'expected: 0')
+         sensed = int_of(cards, 'sens_id') > 0
+         if (sensed) call check_sensor(draft, cards)
          if (int_of(cards, 'Ifail') /= 0) call report(draft%deck, cards, 'Ifail', SEV_ERROR, &
             'KJ-9150', 'rigid bodies that fail are not supported', 'expected: 0')
          input%mass = real_of(cards, 'Mass')
@@ -134,6 +143,16 @@ contains
          input%j(2, :) = [real_of(cards, 'Jxy'), real_of(cards, 'Jyy'), real_of(cards, 'Jyz')]
          input%j(3, :) = [real_of(cards, 'Jxz'), real_of(cards, 'Jyz'), real_of(cards, 'Jzz')]
          skew = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
+         if (draft%deck%block(crew%block)%keyword == KW_RBE2) then
+            call check_coupling(draft%deck, cards)
+            input%icog = 3
+            input%ispher = 3
+         else if (sensed) then
+            input%icog = 1
+            input%mass = 0.0_wp
+            input%j = 0.0_wp
+            skew = 0
+         end if
          if (crew%main == 0) crew%weighed = .false.
          if (crew%main == 0) return
          input%x = draft%x(crew%main, :)
@@ -144,6 +163,43 @@ contains
          input%j = matmul(matmul(a, input%j), transpose(a))
       end associate
    end subroutine read_body
+
+   !> A sensor may switch a body on at the start, no later; Mass and J of its card do not count then
+   subroutine check_sensor(draft, cards)
+      type(draft_t), intent(inout) :: draft
+      type(cards_t), intent(in) :: cards
+
+      integer :: sensor
+
+      sensor = reference(draft%deck, cards, 'sens_id', draft%sensor, 'sensor', 'KJ-0521')
+      if (sensor == 0) return
+      if (draft%sensors(sensor)%t_start > 0.0_wp) then
+         call report(draft%deck, cards, 'sens_id', SEV_ERROR, 'KJ-9116', &
+            'a rigid body that becomes one during the run is not supported', &
+            'expected: a sensor with Tdelay 0')
+      else
+         call report(draft%deck, cards, 'sens_id', SEV_NOTE, 'KJ-9411', &
+            'Mass, J and skew of a body with a sensor do not count, as in Radioss', &
+            'active from the start')
+      end if
+   end subroutine check_sensor
+
+   !> An /RBE2 that couples all directions is a body
+   subroutine check_coupling(deck, cards)
+      type(deck_t), intent(inout) :: deck
+      type(cards_t), intent(in) :: cards
+
+      character(len=2), parameter :: CODES(6) = ['Tx', 'Ty', 'Tz', 'Rx', 'Ry', 'Rz']
+      integer :: i
+
+      if (all([(int_of(cards, CODES(i)) == 1, i=1, 6)])) then
+         call report(deck, cards, 'node_id', SEV_WARNING, 'KJ-9412', &
+            'the coupling of all directions is taken as a rigid body', 'of ICoG 3 and Ispher 3')
+      else
+         call report(deck, cards, 'Tx', SEV_ERROR, 'KJ-9413', &
+            'an /RBE2 that couples some directions only is not supported', 'expected: 111 111')
+      end if
+   end subroutine check_coupling
 
    !> A number from 1 to most; 0 means the default
    integer function choice_of(deck, cards, name, most, default, id) result(choice)

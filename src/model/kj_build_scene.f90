@@ -5,7 +5,7 @@ module kj_build_scene
    use kj_error, only: fail, add_finding, error_t, str, SEV_ERROR, SEV_WARNING, ERR_INPUT
    use kj_sort, only: new_lookup, find, lookup_t
    use kj_keywords, only: KW_NODE, KW_ADMAS, KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_ANALY, &
-      KW_RANDOM, KW_PART, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_MAT_VOID, &
+      KW_RANDOM, KW_PART, KW_RBODY, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_MAT_VOID, &
       keywords
    use kj_deck_text, only: deck_t, report_header
    use kj_element_cards, only: element_row
@@ -33,9 +33,13 @@ contains
       draft%n_node = n
       draft%id = rows%ints(:, 1)
       draft%x = rows%reals(:, 1:3)
-      if (draft%deck%n_submodel > 0) draft%node_submodel = draft%deck%block(rows%block)%submodel
+      call make_main_nodes(draft)
+      n = draft%n_node
+      if (draft%deck%n_submodel > 0) draft%node_submodel = [draft%deck%block(rows%block)%submodel, &
+         [(0, i=rows%n + 1, n)]]
       call new_lookup(draft%id, draft%node)
       do i = 1, n
+         if (draft%node%place(i) > rows%n) cycle      ! a node that was made
          associate (id => draft%node%id(i), row => row_of(rows, draft%node%place(i)))
             if (id <= 0) then
                call report_row(draft%deck, row, 'id', SEV_ERROR, 'KJ-9144', &
@@ -53,6 +57,32 @@ contains
       call add_finding(draft%deck%findings, error)
    end subroutine build_nodes
 
+   !> Bodies without a main node get one: at the origin, with ids above all others
+   subroutine make_main_nodes(draft)
+      type(draft_t), intent(inout) :: draft
+
+      type(cards_t) :: cards
+      integer, allocatable :: blocks(:)
+      integer :: i, n, most
+      real(wp), allocatable :: x(:, :)
+
+      allocate (draft%made_main(0))
+      if (draft%n_node == 0) return
+      blocks = blocks_of(draft%deck, KW_RBODY)
+      do i = 1, size(blocks)
+         call read_cards(draft%deck, blocks(i), cards)
+         if (int_of(cards, 'node_id') == 0) draft%made_main = [draft%made_main, blocks(i)]
+      end do
+      n = size(draft%made_main)
+      if (n == 0) return
+      most = maxval(draft%id)
+      allocate (x(draft%n_node + n, 3), source=0.0_wp)
+      x(:draft%n_node, :) = draft%x
+      call move_alloc(x, draft%x)
+      draft%id = [draft%id, [(most + i, i=1, n)]]
+      draft%n_node = draft%n_node + n
+   end subroutine make_main_nodes
+
    !> Added masses of nodes: /ADMAS types 0 (on each), 1 (shared), 5 (node by node)
    subroutine build_masses(draft)
       type(draft_t), intent(inout) :: draft
@@ -68,6 +98,7 @@ contains
             call add_mass_rows(draft, blocks(i))
             cycle
          end if
+         if (all(draft%deck%block(blocks(i))%variant /= [0, 1])) cycle   ! those of parts: kj_full_draft
          call read_cards(draft%deck, blocks(i), cards)
          call group_nodes(draft, cards, 'grnod_id', 'KJ-0668', .true., nodes)
          mass = real_of(cards, 'mass')

@@ -1,0 +1,439 @@
+!> A full deck -> the deck of its mechanism: one flat file with bodies, joints, springs and their
+!> conditions. Source: docs/theory/full.md 5.
+!>
+!> Cards of what is kept are copied as they are (submodels and parameters are resolved in them);
+!> nodes, bodies and groups are written anew, in work units.
+!> One file: the sections of one file, in their order.
+module kj_extract
+   use kj_kinds, only: wp
+   use kj_error, only: str
+   use kj_version, only: KJOINT_VERSION
+   use kj_sort, only: find
+   use kj_sha256, only: sha256
+   use kj_keywords, only: keywords, HEAD_ID, HEAD_TYPE_ID, KW_BEGIN, KW_TITLE, KW_UNIT, KW_ANALY, &
+      KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, &
+      KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, KW_FRAME_NOD
+   use kj_deck_text, only: deck_t, line_text, first_card, title_of
+   use kj_card_text, only: real_field, integer_field
+   use kj_card_lists, only: th_t, read_th
+   use kj_draft, only: draft_t
+   use kj_model, only: model_t
+   use kj_keep, only: keep_t, body_of
+   use kj_text_block, only: page_t, put, put_copy
+   implicit none
+   private
+
+   public :: write_mechanism
+
+contains
+
+   !> The starter deck of the mechanism
+   subroutine write_mechanism(draft, model, keep, spring_mass, spring_inertia, page)
+      type(draft_t), intent(inout) :: draft
+      type(model_t), intent(in) :: model         !! bodies, weighed
+      type(keep_t), intent(in) :: keep
+      real(wp), intent(in) :: spring_mass(:), spring_inertia(:)   !! (n_node) of kept springs
+      type(page_t), intent(inout) :: page
+
+      integer :: unit
+
+      unit = work_unit(draft%deck)
+      call write_head(draft%deck, unit, page)
+      call write_nodes(draft, model, keep, unit, page)
+      call write_bodies(draft, model, keep, unit, spring_mass, spring_inertia, page)
+      call write_springs(draft, keep, page)
+      call write_masses(draft, keep, unit, spring_mass, page)
+      call write_axes(draft, keep, unit, page)
+      call write_tables(draft, keep, page)
+      call write_conditions(draft, keep, page)
+      call write_requests(draft, keep, page)
+      call put(page, '/END')
+   end subroutine write_mechanism
+
+   !> Id of a /UNIT with the work units; 0 where the input units are the same
+   pure integer function work_unit(deck) result(unit)
+      type(deck_t), intent(in) :: deck
+
+      unit = 0
+      if (all(abs(deck%input%si - deck%work%si) <= 0.0_wp)) return
+      unit = maxval([0, deck%unit_id(:deck%n_unit)]) + 1
+   end function work_unit
+
+   !> '/7' for unit 7, nothing for 0
+   pure function suffix(unit) result(text)
+      integer, intent(in) :: unit
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (unit > 0) text = '/'//str(unit)
+   end function suffix
+
+   !> Comment, /BEGIN, title, units, kind of analysis
+   subroutine write_head(deck, unit, page)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: unit
+      type(page_t), intent(inout) :: page
+
+      integer :: block
+      character(len=20) :: si(3)
+
+      call put(page, '#RADIOSS STARTER')
+      call put(page, '# The mechanism of '//name_of(deck%source(1)%path)//', taken out by kjoint '// &
+         KJOINT_VERSION)
+      call put(page, '# SHA-256 of that deck: '//sha256(deck%source(1)%text))
+      do block = 1, deck%n_block
+         if (any(deck%block(block)%keyword == [KW_BEGIN, KW_TITLE, KW_ANALY]) .or. &
+            is_named(deck, block, '/IOFLAG')) call copy_block(deck, block, page)
+      end do
+      do block = 1, deck%n_block
+         if (deck%block(block)%keyword == KW_UNIT) call copy_block(deck, block, page)
+      end do
+      if (unit == 0) return
+      si = [real_field(deck%work%si(1)), real_field(deck%work%si(2)), real_field(deck%work%si(3))]
+      call put(page, '/UNIT'//suffix(unit))
+      call put(page, 'work units')
+      call put(page, si(1)//si(2)//si(3))
+   end subroutine write_head
+
+   pure logical function is_named(deck, block, name)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block
+      character(len=*), intent(in) :: name
+
+      is_named = .false.
+      if (deck%block(block)%row > 0) is_named = keywords(deck%block(block)%row)%name == name
+   end function is_named
+
+   pure function name_of(path) result(name)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: name
+
+      name = path(index(path, '/', back=.true.) + 1:)
+   end function name_of
+
+   !> The header of a block as it is outside of submodels: words, id, unit
+   function header_of(deck, block) result(header)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block
+      character(len=:), allocatable :: header
+
+      character(len=:), allocatable :: text
+      integer :: slash, next
+
+      text = trim(line_text(deck, deck%block(block)%header))
+      header = ''
+      slash = 1
+      do
+         next = index(text(slash + 1:)//'/', '/') + slash
+         if (verify(trim(text(slash + 1:next - 1)), ' 0123456789') == 0) exit
+         header = header//'/'//trim(text(slash + 1:next - 1))
+         slash = next
+         if (slash >= len(text)) exit
+      end do
+      associate (b => deck%block(block))
+         if (any(keywords(b%row)%head == [HEAD_ID, HEAD_TYPE_ID])) header = header//'/'//str(b%id)
+         if (b%unit_id > 0) header = header//suffix(b%unit_id)
+      end associate
+   end function header_of
+
+   !> Copy a block with its cards
+   subroutine copy_block(deck, block, page)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block
+      type(page_t), intent(inout) :: page
+
+      integer :: line
+
+      call put(page, header_of(deck, block), deck%block(block)%header)
+      do line = deck%block(block)%first, deck%block(block)%last
+         call put_copy(page, deck, line)
+      end do
+   end subroutine copy_block
+
+   !> Kept nodes; main nodes stand at the centre of their body
+   subroutine write_nodes(draft, model, keep, unit, page)
+      type(draft_t), intent(in) :: draft
+      type(model_t), intent(in) :: model
+      type(keep_t), intent(in) :: keep
+      integer, intent(in) :: unit
+      type(page_t), intent(inout) :: page
+
+      real(wp) :: x(3)
+      integer :: i
+
+      call put(page, '/NODE'//suffix(unit))
+      do i = 1, draft%n_node
+         if (.not. keep%node(i)) cycle
+         x = draft%x(i, :)
+         if (draft%main_of(i) > 0) x = model%x0(draft%main_of(i), :)
+         call put(page, integer_field(draft%id(i))//real_field(x(1))//real_field(x(2))// &
+            real_field(x(3)))
+      end do
+   end subroutine write_nodes
+
+   !> Bodies with the mass and inertia that they have in the full deck: ICoG 4 takes them as typed
+   subroutine write_bodies(draft, model, keep, unit, spring_mass, spring_inertia, page)
+      type(draft_t), intent(in) :: draft
+      type(model_t), intent(in) :: model
+      type(keep_t), intent(in) :: keep
+      integer, intent(in) :: unit
+      real(wp), intent(in) :: spring_mass(:), spring_inertia(:)
+      type(page_t), intent(inout) :: page
+
+      real(wp) :: j(3, 3), axes(3, 3)
+      integer :: b, main, i, k, next
+      integer, allocatable :: node(:)
+
+      next = free_group(draft)
+      do b = 1, model%n_body
+         main = findloc(draft%main_of, b, 1)
+         if (main == 0) cycle
+         axes = reshape(model%axes(b, :), [3, 3])
+         j = matmul(axes*spread(model%principal(b, :), 1, 3), transpose(axes))
+         do i = 1, 3
+            j(i, i) = j(i, i) - spring_inertia(main)
+         end do
+         node = pack([(k, k=1, draft%n_node)], draft%body == b .and. keep%node)
+         call put(page, '/RBODY/'//str(model%body_id(b))//suffix(unit))
+         call put(page, model%body_name(b)%s)
+         call put(page, integer_field(draft%id(main))//integer_field(0)//integer_field(0)// &
+            integer_field(merge(1, 3, model%ispher(b) == 1))// &
+            real_field(model%mass(b) - spring_mass(main))//integer_field(next)// &
+            integer_field(0)//integer_field(4)//integer_field(0))
+         call put(page, real_field(j(1, 1))//real_field(j(2, 2))//real_field(j(3, 3)))
+         call put(page, real_field(j(1, 2))//real_field(j(2, 3))//real_field(j(1, 3)))
+         call put(page, integer_field(0)//integer_field(0)//integer_field(0))
+         call write_group(draft, next, 'nodes of body '//str(model%body_id(b)), node, page)
+         next = next + 1
+      end do
+   end subroutine write_bodies
+
+   !> Ids from here on name no group
+   pure integer function free_group(draft) result(id)
+      type(draft_t), intent(in) :: draft
+
+      id = 1
+      if (size(draft%group%id) > 0) id = max(1, maxval(draft%group%id) + 1)
+   end function free_group
+
+   subroutine write_group(draft, id, title, node, page)
+      type(draft_t), intent(in) :: draft
+      integer, intent(in) :: id, node(:)         !! raw indices
+      character(len=*), intent(in) :: title
+      type(page_t), intent(inout) :: page
+
+      character(len=:), allocatable :: line
+      integer :: i, k
+
+      call put(page, '/GRNOD/NODE/'//str(id))
+      call put(page, title)
+      do i = 1, size(node), 10
+         line = ''
+         do k = i, min(i + 9, size(node))
+            line = line//integer_field(draft%id(node(k)))
+         end do
+         call put(page, line)
+      end do
+   end subroutine write_group
+
+   !> Parts, properties and elements of springs and joints
+   subroutine write_springs(draft, keep, page)
+      type(draft_t), intent(in) :: draft
+      type(keep_t), intent(in) :: keep
+      type(page_t), intent(inout) :: page
+
+      integer :: i, block, line
+
+      associate (deck => draft%deck)
+         do i = 1, size(keep%property)
+            if (keep%property(i)) call copy_block(deck, draft%property_block(i), page)
+         end do
+         do i = 1, size(keep%part)
+            if (.not. keep%part(i)) cycle
+            block = draft%part_block(i)
+            call put(page, header_of(deck, block), deck%block(block)%header)
+            call put(page, title_of(deck, block))
+            call put(page, integer_field(draft%part_ids(1, i))//integer_field(0)//integer_field(0))
+         end do
+         block = 0
+         do i = 1, draft%elements%n
+            if (.not. keep%spring(i)) cycle
+            line = draft%elements%card(i)%line
+            if (draft%elements%card(i)%block /= block) then
+               block = draft%elements%card(i)%block
+               call put(page, header_of(deck, block), deck%block(block)%header)
+            end if
+            call put_copy(page, deck, line)
+         end do
+      end associate
+   end subroutine write_springs
+
+   !> Mass of free nodes: that of dropped elements and /ADMAS; kept springs bring their own
+   subroutine write_masses(draft, keep, unit, spring_mass, page)
+      type(draft_t), intent(in) :: draft
+      type(keep_t), intent(in) :: keep
+      integer, intent(in) :: unit
+      real(wp), intent(in) :: spring_mass(:)
+      type(page_t), intent(inout) :: page
+
+      real(wp) :: mass
+      integer :: i
+      logical :: open
+
+      open = .false.
+      do i = 1, draft%n_node
+         if (.not. keep%node(i) .or. body_of(draft, i) > 0) cycle
+         mass = draft%mass(i) - spring_mass(i)
+         if (.not. mass > 1.0e-12_wp*draft%mass(i)) cycle
+         if (.not. open) call put(page, '/ADMAS/5/1'//suffix(unit))
+         if (.not. open) call put(page, 'mass of free nodes')
+         open = .true.
+         call put(page, real_field(mass)//integer_field(draft%id(i)))
+      end do
+   end subroutine write_masses
+
+   !> Skews and frames; those whose nodes are gone stand still
+   subroutine write_axes(draft, keep, unit, page)
+      type(draft_t), intent(in) :: draft
+      type(keep_t), intent(in) :: keep
+      integer, intent(in) :: unit
+      type(page_t), intent(inout) :: page
+
+      integer :: block, i
+      real(wp), parameter :: NOWHERE(3) = 0.0_wp
+
+      do block = 1, draft%deck%n_block
+         associate (b => draft%deck%block(block))
+            if (any(b%keyword == [KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2])) then
+               i = find(draft%skew, b%id)
+               if (i == 0) cycle
+               if (.not. keep%skew(i)) cycle
+               if (keep%fixed_skew(i) .or. (b%keyword == KW_SKEW_FIX .and. b%submodel > 0)) then
+                  call put_axes(page, '/SKEW/FIX/'//str(b%id)//suffix(unit), &
+                     title_of(draft%deck, block), NOWHERE, draft%skews%axes(i, :))
+               else
+                  call copy_block(draft%deck, block, page)
+               end if
+            else if (any(b%keyword == [KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, KW_FRAME_NOD])) &
+               then
+               i = find(draft%frame, b%id)
+               if (i == 0) cycle
+               if (.not. keep%frame(i)) cycle
+               if (keep%fixed_frame(i) .or. (b%keyword == KW_FRAME_FIX .and. b%submodel > 0)) then
+                  call put_axes(page, '/FRAME/FIX/'//str(b%id)//suffix(unit), &
+                     title_of(draft%deck, block), draft%frame_origin(i, :), &
+                     draft%frames%axes(i, :))
+               else
+                  call copy_block(draft%deck, block, page)
+               end if
+            end if
+         end associate
+      end do
+   end subroutine write_axes
+
+   subroutine put_axes(page, header, title, origin, axes)
+      type(page_t), intent(inout) :: page
+      character(len=*), intent(in) :: header, title
+      real(wp), intent(in) :: origin(3), axes(9)
+
+      call put(page, header)
+      call put(page, title)
+      call put(page, real_field(origin(1))//real_field(origin(2))//real_field(origin(3)))
+      call put(page, real_field(axes(4))//real_field(axes(5))//real_field(axes(6)))
+      call put(page, real_field(axes(7))//real_field(axes(8))//real_field(axes(9)))
+   end subroutine put_axes
+
+   !> Functions and sensors that something kept names
+   subroutine write_tables(draft, keep, page)
+      type(draft_t), intent(in) :: draft
+      type(keep_t), intent(in) :: keep
+      type(page_t), intent(inout) :: page
+
+      integer :: block, i
+
+      do block = 1, draft%deck%n_block
+         associate (b => draft%deck%block(block))
+            if (any(b%keyword == [KW_FUNCT, KW_MOVE_FUNCT])) then
+               i = find(draft%curve, b%id)
+               if (i == 0) cycle
+               if (keep%curve(i)) call copy_block(draft%deck, block, page)
+            else if (b%keyword == KW_SENSOR_TIME) then
+               i = find(draft%sensor, b%id)
+               if (i == 0) cycle
+               if (keep%sensor(i)) call copy_block(draft%deck, block, page)
+            end if
+         end associate
+      end do
+   end subroutine write_tables
+
+   !> Conditions, and the groups they name, of kept nodes alone
+   subroutine write_conditions(draft, keep, page)
+      type(draft_t), intent(in) :: draft
+      type(keep_t), intent(in) :: keep
+      type(page_t), intent(inout) :: page
+
+      integer :: block, i
+      integer, allocatable :: node(:)
+
+      do block = 1, draft%deck%n_block
+         if (keep%block(block)) call copy_block(draft%deck, block, page)
+      end do
+      do i = 1, size(draft%groups)
+         if (.not. keep%group(i)) cycle
+         block = draft%groups(i)%block
+         if (find(draft%group, draft%deck%block(block)%id) /= i) cycle
+         node = pack(draft%groups(i)%node, keep%node(draft%groups(i)%node))
+         call write_group(draft, draft%deck%block(block)%id, title_of(draft%deck, block), node, page)
+      end do
+   end subroutine write_conditions
+
+   !> Histories of what is kept
+   subroutine write_requests(draft, keep, page)
+      type(draft_t), intent(inout) :: draft
+      type(keep_t), intent(in) :: keep
+      type(page_t), intent(inout) :: page
+
+      type(th_t) :: th
+      logical, allocatable :: there(:)
+      integer :: block, k, i
+
+      do block = 1, draft%deck%n_block
+         if (all(draft%deck%block(block)%keyword /= [KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY])) cycle
+         call read_th(draft%deck, block, th)
+         allocate (there(th%object%n), source=.true.)
+         do k = 1, th%object%n
+            if (draft%deck%block(block)%keyword == KW_TH_NODE) then
+               i = find(draft%node, th%object%value(k))
+               if (i > 0) there(k) = keep%node(i)
+            else if (draft%deck%block(block)%keyword == KW_TH_SPRING) then
+               i = find(draft%elements%id, th%object%value(k))
+               if (i > 0) there(k) = keep%spring(i)
+            end if
+         end do
+         if (any(there) .or. th%all) call write_request(draft%deck, block, th, there, page)
+         deallocate (there)
+      end do
+   end subroutine write_requests
+
+   !> The names of a request, and the cards of its objects that are there
+   subroutine write_request(deck, block, th, there, page)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block
+      type(th_t), intent(in) :: th
+      logical, intent(in) :: there(:)
+      type(page_t), intent(inout) :: page
+
+      integer :: line
+
+      call put(page, header_of(deck, block), deck%block(block)%header)
+      do line = deck%block(block)%first, deck%block(block)%last
+         if (any(th%object%line(:th%object%n) == line)) then
+            if (any(there .and. th%object%line(:th%object%n) == line)) &
+               call put_copy(page, deck, line)
+         else
+            call put_copy(page, deck, line)
+         end if
+      end do
+   end subroutine write_request
+
+end module kj_extract

@@ -1,0 +1,66 @@
+!> Fields of cards that no table describes: those of materials and of properties of elements.
+module kj_full_card
+   use kj_kinds, only: wp
+   use kj_deck_text, only: deck_t, first_card, line_text
+   use kj_card_cut, only: read_real_at, read_integer_at, cut_t, cut_card
+   implicit none
+   private
+
+   public :: card_real, card_integer, has_card
+
+contains
+
+   !> A block has a card of this number, the title not counted
+   pure logical function has_card(deck, block, card)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, card
+
+      has_card = first_card(deck, block) + card - 1 <= deck%block(block)%last
+   end function has_card
+
+   !> Real in twenty columns of a card, in work units; 0 when it is blank or missing
+   subroutine card_real(deck, block, card, first, factor, value)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: block, card         !! the title is not counted
+      integer, intent(in) :: first               !! column
+      real(wp), intent(in) :: factor             !! input to work units
+      real(wp), intent(out) :: value
+
+      integer :: line, a, b
+
+      value = 0.0_wp
+      if (.not. has_card(deck, block, card)) return
+      line = first_card(deck, block) + card - 1
+      call find_field(line_text(deck, line), first, first + 19, a, b)
+      call read_real_at(deck, line, a, b, 'the field', 'a real number', factor, value)
+   end subroutine card_real
+
+   !> Integer in ten columns of a card; 0 when it is blank or missing
+   subroutine card_integer(deck, block, card, first, value)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: block, card, first
+      integer, intent(out) :: value
+
+      integer :: line, a, b
+
+      value = 0
+      if (.not. has_card(deck, block, card)) return
+      line = first_card(deck, block) + card - 1
+      call find_field(line_text(deck, line), first, first + 9, a, b)
+      call read_integer_at(deck, line, a, b, 'the field', 'an integer', value)
+   end subroutine card_integer
+
+   !> Columns of the text in a field; b < a when it is blank
+   pure subroutine find_field(text, first, last, a, b)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: first, last
+      integer, intent(out) :: a, b
+
+      type(cut_t) :: cut
+
+      call cut_card(text, 1, [first], [last], cut)
+      a = cut%first(1)
+      b = cut%last(1)
+   end subroutine find_field
+
+end module kj_full_card

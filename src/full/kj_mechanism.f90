@@ -1,0 +1,157 @@
+!> The mechanism of a full deck: read it, take the mechanism out, read that as any deck.
+!>
+!> What runs is the text that `kjoint extract` writes: the file and the run in memory are one.
+module kj_mechanism
+   use kj_kinds, only: wp
+   use kj_error, only: finding_list_t
+   use kj_sort, only: find
+   use kj_keywords, only: KW_SPRING
+   use kj_deck_text, only: deck_t, source_t
+   use kj_deck, only: read_deck
+   use kj_parameter, only: setting_t
+   use kj_draft, only: draft_t
+   use kj_model, only: model_t
+   use kj_element_mass, only: scales_t, element_t, first_element, next_element, weigh
+   use kj_full_draft, only: build_full_draft
+   use kj_keep, only: keep_t, decide
+   use kj_text_block, only: page_t, new_page
+   use kj_extract, only: write_mechanism
+   use kj_extract_report, only: extract_report_t, new_report
+   implicit none
+   private
+
+   public :: take_mechanism
+
+   character(len=8), parameter :: ROLE = 'extract'
+
+contains
+
+   !> The deck of the mechanism; its lines that are copies keep their places in the full deck
+   !>
+   !> Errors: findings. deck%readable is .false. when there is no deck.
+   subroutine take_mechanism(path, settings, findings, deck, report)
+      character(len=*), intent(in) :: path
+      type(setting_t), intent(in) :: settings(:) !! parameters from outside
+      type(finding_list_t), intent(in) :: findings
+      type(deck_t), intent(inout) :: deck        !! a new one; its findings are those of both decks
+      type(extract_report_t), intent(out) :: report
+
+      type(draft_t) :: draft
+      type(scales_t) :: scales
+      type(model_t) :: model
+      type(keep_t) :: keep
+      type(page_t) :: page
+      real(wp), allocatable :: element_mass(:), spring_mass(:), spring_inertia(:)
+
+      draft%deck%findings = findings
+      call read_deck(path, draft%deck, full=.true., settings=settings)
+      if (draft%deck%readable) call build_full_draft(draft, scales, element_mass, model)
+      if (draft%deck%findings%n_error == 0 .and. draft%deck%readable) then
+         call decide(draft, element_mass, keep)
+         call weigh_kept_springs(draft, scales, keep, spring_mass, spring_inertia)
+         call new_page(page)
+         call write_mechanism(draft, model, keep, spring_mass, spring_inertia, page)
+         call new_report(draft, scales, model, keep, element_mass, report)
+      end if
+      deck%findings = draft%deck%findings
+      deck%readable = draft%deck%findings%n_error == 0 .and. draft%deck%readable
+      if (.not. deck%readable) return
+      report%text = page%text(:page%n)
+      call read_page(path, page, draft%deck, deck)
+   end subroutine take_mechanism
+
+   !> Mass and inertia that kept springs put on nodes
+   subroutine weigh_kept_springs(draft, scales, keep, mass, inertia)
+      type(draft_t), intent(inout) :: draft
+      type(scales_t), intent(in) :: scales
+      type(keep_t), intent(in) :: keep
+      real(wp), allocatable, intent(out) :: mass(:), inertia(:)   !! (n_node)
+
+      type(element_t) :: e
+      integer :: block, i
+
+      allocate (mass(draft%n_node), inertia(draft%n_node), source=0.0_wp)
+      do block = 1, draft%deck%n_block
+         if (draft%deck%block(block)%keyword /= KW_SPRING) cycle
+         call first_element(draft, block, e)
+         do
+            call next_element(draft, e)
+            if (e%row == 0) exit
+            i = find(draft%elements%id, e%id)
+            if (i == 0) cycle
+            if (.not. keep%spring(i)) cycle
+            call weigh(draft, scales, e)
+            do i = 1, 3
+               if (e%raw(i) == 0) cycle
+               mass(e%raw(i)) = mass(e%raw(i)) + e%mass(i)
+               inertia(e%raw(i)) = inertia(e%raw(i)) + e%inertia(i)
+            end do
+         end do
+      end do
+   end subroutine weigh_kept_springs
+
+   !> Read the text of the mechanism; lines that are copies point at what they are copies of
+   subroutine read_page(path, page, full, deck)
+      character(len=*), intent(in) :: path
+      type(page_t), intent(in) :: page
+      type(deck_t), intent(inout) :: full        !! its files move into `deck`
+      type(deck_t), intent(inout) :: deck
+
+      type(source_t) :: source
+      integer :: i, k, first
+
+      source%path = path
+      source%role = ROLE
+      source%text = page%text(:page%n)
+      call read_deck(path, deck, source=source)
+      first = deck%n_source
+      call add_sources(full, deck)
+      do i = 1, deck%n_line
+         if (deck%line_source(i) /= 1) cycle
+         k = page%origin(deck%line_number(i))
+         if (k == 0) cycle
+         deck%line_source(i) = first + full%line_source(k)
+         deck%line_number(i) = full%line_number(k)
+         if (is_header(deck, i)) then            ! the header is written anew: its text stays
+            deck%line_source(i) = 1
+            cycle
+         end if
+         deck%line_first(i) = full%line_first(k)
+         deck%line_last(i) = full%line_last(k)
+      end do
+   end subroutine read_page
+
+   pure logical function is_header(deck, line)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line
+
+      is_header = any(deck%block(:deck%n_block)%header == line)
+   end function is_header
+
+   !> Append the files of a deck to another, without a copy
+   subroutine add_sources(from, to)
+      type(deck_t), intent(inout) :: from, to
+
+      type(source_t), allocatable :: all(:)
+      integer :: i, n
+
+      n = to%n_source
+      allocate (all(n + from%n_source))
+      do i = 1, size(all)
+         if (i <= n) call move_source(to%source(i), all(i))
+         if (i > n) call move_source(from%source(i - n), all(i))
+      end do
+      call move_alloc(all, to%source)
+      to%n_source = size(to%source)
+   end subroutine add_sources
+
+   pure subroutine move_source(from, to)
+      type(source_t), intent(inout) :: from, to
+
+      to%role = from%role
+      to%used = from%used
+      call move_alloc(from%path, to%path)
+      call move_alloc(from%text, to%text)
+   end subroutine move_source
+
+end module kj_mechanism
