@@ -14,7 +14,7 @@ import re
 import sys
 
 # a folder uses itself and those before it
-FOLDERS = ("base", "joint", "deck", "model", "legacy", "consistent", "history", "files",
+FOLDERS = ("base", "joint", "deck", "model", "full", "legacy", "consistent", "history", "files",
            "api", "capi", "cli")
 WINGS = ("legacy", "consistent")                  # used by themselves and by api alone
 MAX_FILE, MAX_LINE, MAX_TABLE_LINE, MAX_PROCEDURE = 600, 100, 132, 80

@@ -12,6 +12,8 @@ module kj_run_option
    public :: run_options_t, run_option_t, find_run_option, set_run_option, read_run_options, &
       write_run_options, settle_run_options, describe_run_option
 
+   integer, parameter, public :: MOST_TEXT = 400   !! characters of a text
+
    !> What a run may be told, as run_options says. These values leave it to the deck and the
    !> formulation.
    type :: run_options_t
@@ -21,23 +23,24 @@ module kj_run_option
       real(wp) :: dt_scale = 0.0_wp, dt_max_scale = 1.0_wp, kn_scale = 1.0_wp
       real(wp) :: energy_limit = -1.0_wp
       real(wp) :: error = 0.0_wp, turn = 0.0_wp
-      logical :: ignore_unsupported = .false.
+      logical :: ignore_unsupported = .false., mechanism = .false.
+      character(len=MOST_TEXT) :: set = ''      !! name=value,name=value
       integer :: threads = 1, least_share = 500
       logical :: islands = .false., fast = .false.
    end type run_options_t
 
    !> Kinds of values; a flag is 1 or 0 in a text
-   integer, parameter, public :: A_WORD = 1, A_REAL = 2, AN_INTEGER = 3, A_FLAG = 4
-   character(len=7), parameter, public :: KIND_NAME(4) = ['word   ', 'real   ', 'integer', &
-      'flag   ']
+   integer, parameter, public :: A_WORD = 1, A_REAL = 2, AN_INTEGER = 3, A_FLAG = 4, A_TEXT = 5
+   character(len=7), parameter, public :: KIND_NAME(5) = ['word   ', 'real   ', 'integer', &
+      'flag   ', 'text   ']
 
    !> One option
    type :: run_option_t
       character(len=18) :: name        !! component of run_options_t; of the command line with -
-      integer           :: kind        !! A_WORD, A_REAL, AN_INTEGER or A_FLAG
+      integer           :: kind        !! A_WORD, A_REAL, AN_INTEGER, A_FLAG or A_TEXT
       real(wp)          :: least       !! smallest number
       character(len=4)  :: value       !! what stands for its value in the help; a flag takes none
-      character(len=15) :: commands    !! that take it
+      character(len=23) :: commands    !! that take it
       character(len=32) :: default     !! the value where one always holds, or where it comes from
       character(len=43) :: words       !! all that it may be
       character(len=66) :: meaning
@@ -75,6 +78,10 @@ module kj_run_option
                    '', 'the integrator compliant'), &
       run_option_t('ignore_unsupported', A_FLAG,     0.0_wp,     '',     'run check study', '', &
                    '', 'warn about keywords out of scope instead of stopping'), &
+      run_option_t('mechanism',          A_FLAG,     0.0_wp,     '',     'run check study', '', &
+                   '', 'of a full deck the rigid bodies, joints and springs alone'), &
+      run_option_t('set',                A_TEXT,     0.0_wp,     'N=V',  'run check study extract', '', &
+                   '', 'values of /PARAMETER: name=value, more behind commas'), &
       run_option_t('threads',            AN_INTEGER, 1.0_wp,     'N',    'run study',       '1; command line: OMP_NUM_THREADS', &
                    '', 'threads of a run, runs at a time of a study'), &
       run_option_t('least_share',        AN_INTEGER, 1.0_wp,     'N',    'run',             '500', &
@@ -84,7 +91,7 @@ module kj_run_option
 
    !> The value of one option
    type :: value_t
-      character(len=12) :: word = ''
+      character(len=MOST_TEXT) :: word = ''
       real(wp) :: number = 0.0_wp       !! integers, too; a flag is 1 or 0
    end type value_t
 
@@ -113,7 +120,7 @@ contains
       integer :: status, whole
 
       status = NUMBER_FINE
-      if (run_options(row)%kind == A_WORD) then
+      if (any(run_options(row)%kind == [A_WORD, A_TEXT])) then
          value%word = text
       else if (run_options(row)%kind == A_REAL) then
          call parse_real(text, value%number, status)
@@ -140,6 +147,9 @@ contains
       case (A_WORD)
          if (.not. is_one_of(text, r%words)) call fail(error, ERR_INPUT, &
             'there is no '//trim(r%name)//' '//text//': '//trim(r%words))
+      case (A_TEXT)
+         if (len_trim(text) > MOST_TEXT) call fail(error, ERR_INPUT, name//' is longer than '// &
+            str(MOST_TEXT)//' characters')
       case (A_REAL)
          if (.not. fine) then
             call fail(error, ERR_INPUT, name//' needs a number, not "'//text//'"')
@@ -176,6 +186,8 @@ contains
       case ('kn_scale'); call real_number(options%kn_scale)
       case ('energy_limit'); call real_number(options%energy_limit)
       case ('ignore_unsupported'); call flag(options%ignore_unsupported)
+      case ('mechanism'); call flag(options%mechanism)
+      case ('set'); call word(options%set)
       case ('kn'); call word(options%kn)
       case ('error'); call real_number(options%error)
       case ('turn'); call real_number(options%turn)
@@ -284,9 +296,9 @@ contains
    pure function text_of(row, value) result(text)
       integer, intent(in) :: row
       type(value_t), intent(in) :: value
-      character(len=24) :: text
+      character(len=MOST_TEXT) :: text
 
-      if (run_options(row)%kind == A_WORD) then
+      if (any(run_options(row)%kind == [A_WORD, A_TEXT])) then
          text = value%word
       else if (run_options(row)%kind == A_REAL) then
          write (text, '(es24.16e3)') value%number

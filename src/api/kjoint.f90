@@ -24,6 +24,7 @@ module kjoint
    use kj_sink, only: sink_t
    use kj_sink_memory, only: sink_memory_t
    use kj_check, only: check_t, limit_row_t
+   use kj_extract_report, only: extract_report_t
    use kj_run_option, only: run_options_t, run_options, set_run_option, find_run_option, &
       read_run_options, write_run_options
    use kj_scheme, only: scheme_t
@@ -49,6 +50,7 @@ module kjoint
    public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
       simulation_options, simulation_checkpoints, default_output
    public :: check_t, limit_row_t, check_simulation
+   public :: extract_report_t, extract_mechanism, holds_engine
    ! model level, stepped by the host
    public :: start_simulation, advance_simulation, step_simulation, simulation_status
    public :: save_simulation, restore_simulation
@@ -395,6 +397,24 @@ module kjoint
          !> quaternions at the start, (4, n), as start_joints; consistent needs them
          real(wp), intent(in), optional :: attitude(:, :)
       end subroutine take_joints
+
+      !> Take the mechanism out of a full deck: report%text is its starter deck, report%engine its
+      !> engine deck, '' when there is none. options%set gives values of parameters.
+      !>
+      !> Whatever the deck does wrong is a finding.
+      module subroutine extract_mechanism(starter, engine, options, report, findings)
+         character(len=*), intent(in) :: starter   !! path of ROOT_0000.rad
+         character(len=*), intent(in) :: engine    !! path of the engine deck; '' for ROOT_0001.rad
+         type(run_options_t), intent(in) :: options
+         type(extract_report_t), intent(out) :: report
+         type(finding_list_t), intent(inout) :: findings
+      end subroutine extract_mechanism
+
+      !> The file of a starter deck holds its engine deck, too: from /RUN on
+      module function holds_engine(starter) result(holds)
+         character(len=*), intent(in) :: starter
+         logical :: holds
+      end function holds_engine
 
       !> Joints, bodies and time-step limits of a loaded scene, as they are at its start
       module subroutine check_simulation(sim, report)

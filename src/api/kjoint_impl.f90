@@ -5,6 +5,9 @@ submodule (kjoint) kjoint_impl
    use kj_deck, only: read_deck
    use kj_deck_text, only: deck_t, source_t
    use kj_engine, only: engine_t, read_engine
+   use kj_engine_text, only: has_engine_part
+   use kj_parameter, only: setting_t
+   use kj_mechanism, only: take_mechanism
    use kj_build, only: build_model
    use kj_build_joint, only: scale_blocking
    use kj_draft, only: draft_t
@@ -24,7 +27,8 @@ contains
       type(source_t) :: engine_source
       type(engine_t) :: controls
       type(simulation_t) :: fresh
-      character(len=:), allocatable :: path
+      type(extract_report_t) :: report
+      character(len=:), allocatable :: path, kept
 
       if (sim%running) then
          call fail(error, ERR_INPUT, RUNS)
@@ -36,15 +40,24 @@ contains
       call settle_run_options(sim%options, error)
       if (allocated(error)) return
       call choose_scheme(sim%options, sim%scheme)
-      draft%deck%findings = findings
-      call read_deck(starter, draft%deck, options%ignore_unsupported)
+      if (options%mechanism) then
+         call take_mechanism(starter, settings_of(options%set), findings, draft%deck, report)
+      else
+         draft%deck%findings = findings
+         call read_deck(starter, draft%deck, options%ignore_unsupported, &
+            settings=settings_of(options%set))
+      end if
       if (options%until >= 0.0_wp .and. len(engine) == 0) then
          controls%t_stop = options%until
       else
-         path = engine
-         if (len(path) == 0) path = starter(:root_length(starter))//'_0001.rad'   ! of the engine
-         call read_engine(path, controls, engine_source, draft%deck%findings, &
-            options%ignore_unsupported, sim%scheme%legacy)
+         call find_engine_deck(starter, engine, path)
+         if (options%mechanism) then
+            call read_engine(path, controls, engine_source, draft%deck%findings, &
+               options%ignore_unsupported, sim%scheme%legacy, kept)
+         else
+            call read_engine(path, controls, engine_source, draft%deck%findings, &
+               options%ignore_unsupported, sim%scheme%legacy)
+         end if
       end if
       if (draft%deck%readable) call build_model(draft, controls, sim%model%model_t, &
          sim%scheme%legacy)
@@ -104,6 +117,64 @@ contains
    module procedure default_output
       path = sim%root(index(sim%root, '/', back=.true.) + 1:)//'.h5'
    end procedure default_output
+
+   module procedure extract_mechanism
+      type(deck_t) :: deck
+      type(source_t) :: engine_source
+      type(engine_t) :: controls
+      character(len=:), allocatable :: path, kept
+      logical :: has_engine
+
+      call take_mechanism(starter, settings_of(options%set), findings, deck, report)
+      report%engine = ''
+      call find_engine_deck(starter, engine, path)
+      inquire (file=path, exist=has_engine)
+      if (has_engine) then
+         call read_engine(path, controls, engine_source, deck%findings, kept=kept)
+         report%engine = kept
+      end if
+      findings = deck%findings
+   end procedure extract_mechanism
+
+   module procedure holds_engine
+      holds = has_engine_part(starter)
+   end procedure holds_engine
+
+   !> The engine deck that is named, else ROOT_0001.rad, or the starter deck where that holds it
+   subroutine find_engine_deck(starter, engine, path)
+      character(len=*), intent(in) :: starter, engine
+      character(len=:), allocatable, intent(out) :: path
+
+      logical :: exists
+
+      path = engine
+      if (len(path) > 0) return
+      path = starter(:root_length(starter))//'_0001.rad'
+      inquire (file=path, exist=exists)
+      if (exists) return
+      if (has_engine_part(starter)) path = starter
+   end subroutine find_engine_deck
+
+   !> 'a=1,b=2' -> names and values
+   pure function settings_of(text) result(list)
+      character(len=*), intent(in) :: text
+      type(setting_t), allocatable :: list(:)
+
+      type(setting_t) :: one
+      integer :: first, last, equals
+
+      allocate (list(0))
+      first = 1
+      do while (first <= len_trim(text))
+         last = index(text(first:)//',', ',') + first - 2
+         equals = index(text(first:last), '=')
+         if (equals == 0) equals = last - first + 2
+         one%name = trim(adjustl(text(first:first + equals - 2)))
+         one%value = trim(adjustl(text(first + equals:last)))
+         list = [list, one]
+         first = last + 2
+      end do
+   end function settings_of
 
    !> What the history says of the scene
    subroutine describe(sim)
@@ -189,23 +260,22 @@ contains
       type(source_t), intent(inout) :: engine_source
       type(history_t), intent(inout) :: history
 
-      integer :: i, n
+      integer :: i, k, n
 
-      n = deck%n_source
+      n = count(deck%source(:deck%n_source)%role /= 'flat')   ! those are made of others
       if (allocated(engine_source%text)) n = n + 1
       allocate (history%input_name(n), history%input_text(n), history%input_role(n))
       allocate (history%input_path(n))
-      do i = 1, n
-         if (i <= deck%n_source) then
-            call keep(deck%source(i))
-         else
-            call keep(engine_source)
-         end if
+      i = 0
+      do k = 1, deck%n_source
+         if (deck%source(k)%role /= 'flat') call keep(deck%source(k))
       end do
+      if (i < n) call keep(engine_source)
    contains
       subroutine keep(source)
          type(source_t), intent(inout) :: source
 
+         i = i + 1
          history%input_path(i)%s = source%path
          history%input_name(i)%s = source%path(index(source%path, '/', back=.true.) + 1:)
          call move_alloc(source%text, history%input_text(i)%s)

@@ -6,8 +6,8 @@ module kj_cli
    use kj_info, only: describe_history
    use kj_new_command, only: new_command
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
-      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, &
-      OPT_JSON
+      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_EXTRACT, CMD_LIST, CMD_NEW, CMD_HELP, &
+      CMD_VERSION, OPT_JSON
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -15,6 +15,7 @@ module kj_cli
    use kj_run_command, only: run_command
    use kj_check_command, only: check_command
    use kj_study_command, only: study_command
+   use kj_extract_command, only: extract_command
    use kj_diff_command, only: diff_command, convert_command
    use kj_export_command, only: export_command
    implicit none
@@ -43,6 +44,8 @@ contains
             call run_command(args, command_line(words), code)
          case (CMD_CHECK)
             call check_command(args, code)
+         case (CMD_EXTRACT)
+            call extract_command(args, code)
          case (CMD_STUDY)
             call study_command(args, code)
          case (CMD_DIFF)

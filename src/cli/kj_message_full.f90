@@ -28,6 +28,27 @@ module kj_message_full
    message_t('KJ-9409', SEV_WARNING, 'springs are left out', 'Their property is of a kind that is not supported, and '// &
       '--ignore-unsupported leaves it out.', 'Use another kind of property if they matter.'), &
    message_t('KJ-9410', SEV_ERROR, 'an axis without a direction', 'Both points of the axis of a /TRANSFORM are the same.', &
-      'Correct one of them.')]
+      'Correct one of them.'), &
+   message_t('KJ-9411', SEV_NOTE, 'the card of a body does not count', 'A rigid body with a sensor takes its mass from its '// &
+      'nodes: Mass, J and skew of its card are ignored, as in Radioss.', &
+      'Remove the sensor if they should count.'), &
+   message_t('KJ-9412', SEV_WARNING, 'an RBE2 is taken as a body', 'It couples all six directions: a rigid body whose main '// &
+      'node stays where it is (ICoG 3), with the inertia as it comes (Ispher 3).', &
+      'Write a /RBODY to choose.'), &
+   message_t('KJ-9413', SEV_ERROR, 'an RBE2 that couples some directions', 'Only 111 111 makes a rigid body.', &
+      'Use a joint.'), &
+   message_t('KJ-9421', SEV_WARNING, 'a condition has lost its nodes', 'All nodes of its group belong to deformable parts '// &
+      'that are not in the mechanism, or are followed by a body.', &
+      'Nothing, if it acts on these parts alone.'), &
+   message_t('KJ-9422', SEV_ERROR, 'the axes of a joint would be lost', 'They follow a node of a deformable part.', &
+      'Let them follow nodes of the bodies.'), &
+   message_t('KJ-9423', SEV_WARNING, 'axes stand still', 'They follow nodes of deformable parts in the full deck; in the '// &
+      'mechanism they keep their directions of the start.', 'Let them follow nodes of bodies.'), &
+   message_t('KJ-9424', SEV_WARNING, 'an end of a spring is free', 'It stands on a node of a deformable part, which has its '// &
+      'mass in the mechanism, and nothing else that holds it.', &
+      'Put the node into a body, or hold it.'), &
+   message_t('KJ-9425', SEV_WARNING, 'mass scaling is left out', '/DT/NODA/CST adds mass to nodes of elements that are '// &
+      'dropped, and to bodies, which would be wrong there.', &
+      'Nothing, or limit the step with /DTIX.')]
 
 end module kj_message_full

@@ -115,7 +115,8 @@ module kj_message_scene
       'Define the frame by other nodes.'), &
    message_t('KJ-3121', SEV_ERROR, 'a node is in two rigid bodies', 'A node can be a secondary node of one body only.', &
       'Remove it from one of the groups.'), &
-   message_t('KJ-3122', SEV_ERROR, 'the rigid body has no main node', 'Radioss would create a node here; kjoint does not.', &
+   message_t('KJ-3122', SEV_WARNING, 'the rigid body has no main node', 'A node is made at the origin, its id one '// &
+      'above the largest. A Mass of the card sits there; with ICoG 3 and 4 the body turns about it.', &
       'Define a node and name it in columns 1 to 10.'), &
    message_t('KJ-3151', SEV_WARNING, 'the inertia of an added mass', '/ADMAS with inertia: only Ixx is used.', &
       'Check the inertia.'), &
@@ -126,8 +127,8 @@ module kj_message_scene
    message_t('KJ-9112', SEV_ERROR, 'a function without points', 'The /FUNCT has a title, but no card.', 'Add points.'), &
    message_t('KJ-9114', SEV_ERROR, 'no such rule of the centre of gravity', 'ICoG is 1 to 4; 0 is 1.', 'Write one of them.'), &
    message_t('KJ-9115', SEV_ERROR, 'no such rule of the inertia', 'Ispher is 1 to 3; 0 is 2.', 'Write one of them.'), &
-   message_t('KJ-9116', SEV_ERROR, 'rigid bodies with a sensor', 'Bodies that a sensor activates are not supported.', &
-      'Write 0 for the sensor.'), &
+   message_t('KJ-9116', SEV_ERROR, 'a rigid body that is none at the start', 'Its sensor has a Tdelay above 0: until then '// &
+      'its nodes move by themselves.', 'Write 0 for Tdelay, or for the sensor.'), &
    message_t('KJ-9117', SEV_ERROR, 'initial velocities that come later', &
       'An initial velocity after a start time or a sensor is not supported.', &
       'Write 0 for both.'), &

@@ -18,7 +18,7 @@ module kj_option
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
       CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_INFO = 7, CMD_LIST = 8, CMD_NEW = 9, CMD_HELP = 10, &
-      CMD_VERSION = 11
+      CMD_VERSION = 11, CMD_EXTRACT = 12
 
    integer, parameter :: MANY = huge(1)         !! operands
 
@@ -54,7 +54,9 @@ module kj_option
       command_t(CMD_HELP,    'help',      '[COMMAND|/KEYWORD|KJ-nnnn]',         0, 1, &
                 'this help, a command, the cards of a keyword, a message explained'), &
       command_t(CMD_VERSION, '--version', '',                                   0, 0, &
-                'print the version')]
+                'print the version'), &
+      command_t(CMD_EXTRACT, 'extract',   'FULL_0000.rad [FULL_0001.rad]',      1, 2, &
+                'the mechanism of a full deck with shells, solids, contacts: a new deck')]
 
    integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, OPT_REPRODUCIBLE = &
       4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, OPT_RTOL = 9, OPT_INTERP = &
@@ -69,13 +71,13 @@ module kj_option
       character(len=2)  :: short           !! '-o' or ''
       character(len=20) :: name            !! '--output'
       character(len=8)  :: value           !! what stands for its value in the help, '' = takes none
-      character(len=50) :: commands        !! names of the commands that take it
+      character(len=60) :: commands        !! names of the commands that take it
       character(len=150) :: meaning
    end type option_t
 
    type(option_t), parameter :: own_options(*) = [ &
       !        id                short name                   value     commands
-      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert export study', &
+      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert export study extract', &
                'file to write; default: named as the deck or T01, here; export: stdout'), &
       option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check study', &
                'the starter deck, as Radioss users type it'), &
@@ -83,11 +85,11 @@ module kj_option
                'the scheme of Radioss, cycle by cycle: legacy, legacy, nodal'), &
       option_t(OPT_REPRODUCIBLE, '',   '--reproducible',      '',       'run', &
                'no dates or host in the history: equal runs are equal bytes'), &
-      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study', &
+      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study extract', &
                'errors and warnings only'), &
-      option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check', &
+      option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check extract', &
                'notes with their cards, a listing line every /PRINT cycles'), &
-      option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info convert list help', &
+      option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info convert list help extract', &
                'the answer as one JSON object on stdout'), &
       option_t(OPT_PROFILE,      '',   '--profile',           'NAME',   'diff', &
                'exact, repeat 1e-12, platform 1e-9, parity 1e-7 or solver 1e-2'), &

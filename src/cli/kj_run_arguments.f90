@@ -6,7 +6,7 @@ module kj_run_arguments
    use kj_team, only: has_threads
    use kj_terminal, only: environment
    use kj_option, only: arguments_t, option_t, option, FIRST_RUN, OPT_LEGACY
-   use kjoint, only: run_options_t, run_options, set_run_option
+   use kjoint, only: run_options_t, run_options, set_run_option, holds_engine
    implicit none
    private
 
@@ -64,6 +64,7 @@ contains
          if (engine /= '' .or. min(options%until, options%sample) >= 0.0_wp) return
          inquire (file=starter, exist=exists)
          if (.not. exists) return
+         if (holds_engine(starter)) return
          call fail(error, ERR_INPUT, 'no engine deck: '//starter//' has none beside it')
          error%hint = 'name one, or give --until T and --sample DT'
       end associate

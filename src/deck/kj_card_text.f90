@@ -1,7 +1,7 @@
 !> Values -> text of cards.
 module kj_card_text
    use kj_kinds, only: wp
-   use kj_number, only: parse_real, NUMBER_FINE
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE
    implicit none
    private
 
@@ -16,10 +16,10 @@ contains
       character(len=:), allocatable :: text
 
       character(len=40) :: buffer
-      character(len=10) :: form
+      character(len=12) :: form
       character(len=:), allocatable :: mantissa, exponent
       real(wp) :: back
-      integer :: digits, e, status
+      integer :: digits, e, power, status
 
       text = '0.0'
       if (abs(value) <= 0.0_wp) return
@@ -29,8 +29,8 @@ contains
          buffer = adjustl(buffer)
          e = index(buffer, 'E')
          mantissa = buffer(:e - 1)
-         read (buffer(e + 1:), *) status
-         exponent = integer_exponent(status)
+         call parse_integer(buffer(e + 1:), power, status)
+         exponent = integer_exponent(power)
          if (len(mantissa) + len(exponent) > width) exit
          text = mantissa//exponent
          call parse_real(text, back, status)

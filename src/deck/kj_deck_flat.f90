@@ -1,7 +1,7 @@
 !> Submodels and parameters -> plain blocks: ids become those of the whole deck, names values.
 !>
 !> Only lines that change are written anew, into a text of their own; each keeps its file, number
-!> and columns, so that findings point where the user typed. Source: docs/theory/deck.md 14.
+!> and columns, so that findings point where the user typed. Source: docs/theory/full.md 3.
 module kj_deck_flat
    use kj_error, only: SEV_ERROR
    use kj_keywords, only: keywords, KW_SUBMODEL, KW_PARAMETER, KW_UNIT, KW_KJOINT, KW_SPRING8, &

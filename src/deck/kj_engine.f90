@@ -1,4 +1,5 @@
 !> Engine decks: run control -> plain values.
+!> One file: the keywords of one table, each with the values it reads.
 module kj_engine
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, SEV_ERROR, SEV_WARNING, SEV_NOTE, str
@@ -48,13 +49,15 @@ contains
    !> Read an engine deck
    !>
    !> Errors: findings with code ERR_FILE when the file cannot be read, else ERR_INPUT.
-   subroutine read_engine(path, engine, source, findings, ignore_unsupported, adds_mass)
+   subroutine read_engine(path, engine, source, findings, ignore_unsupported, adds_mass, kept)
       character(len=*), intent(in) :: path
       type(engine_t), intent(out) :: engine
       type(source_t), intent(out) :: source     !! the file, for the record
       type(finding_list_t), intent(inout) :: findings
       logical, intent(in), optional :: ignore_unsupported  !! unsupported keywords only warn
       logical, intent(in), optional :: adds_mass  !! the run can do what CST asks for; .true.
+      !> of a full deck: what steers elements is left out, and this is the rest
+      character(len=:), allocatable, intent(out), optional :: kept
 
       type(deck_t) :: deck
       integer :: line, header, severity
@@ -64,6 +67,7 @@ contains
       if (present(adds_mass)) engine%adds_mass = adds_mass
       deck%findings = findings
       call load_engine(path, deck)
+      if (present(kept)) call leave_out(deck, kept)
       line = 1
       do while (line <= deck%n_line)
          header = line
@@ -83,6 +87,61 @@ contains
       findings = deck%findings
       source = deck%source(1)
    end subroutine read_engine
+
+   !> Leave out the keywords that steer elements and output; `kept` has the lines of the others
+   subroutine leave_out(deck, kept)
+      type(deck_t), intent(inout) :: deck
+      character(len=:), allocatable, intent(out) :: kept
+
+      integer :: line, n
+      logical :: goes
+
+      kept = ''
+      n = 0
+      goes = .false.
+      do line = 1, deck%n_line
+         if (is_header(deck, line)) call judge(deck, line, goes)
+         if (goes) cycle
+         n = n + 1
+         deck%line_source(n) = deck%line_source(line)
+         deck%line_number(n) = deck%line_number(line)
+         deck%line_first(n) = deck%line_first(line)
+         deck%line_last(n) = deck%line_last(line)
+         kept = kept//line_text(deck, n)//achar(10)
+      end do
+      deck%n_line = n
+   end subroutine leave_out
+
+   !> Whether a keyword of the engine deck of a full deck means nothing to its mechanism
+   subroutine judge(deck, line, goes)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: line                !! of the header
+      logical, intent(out) :: goes
+
+      type(engine_line_t) :: words
+      integer :: row
+
+      call split_words(adjustl(line_text(deck, line)), words)
+      row = find_engine_word(words%word(1))
+      goes = .false.
+      if (row == 0) return
+      select case (engine_words(row)%name)
+      case ('DEL', 'INTER', 'ALE', 'THERM')
+         goes = .true.
+      case ('RBODY')
+         goes = words%word(2) == 'ON'
+      case ('DT')
+         goes = all(words%word(2) /= [character(len=4) :: '', 'NODA'])
+         if (words%word(2) == 'NODA' .and. words%word(3)(:3) == 'CST') then
+            goes = .true.
+            call report_line(deck, line, SEV_WARNING, 'KJ-9425', &
+               'mass scaling is left out of the mechanism', 'adds mass to nodes of elements')
+         end if
+      case ('TH')
+      case default
+         goes = engine_words(row)%status == ENGINE_NOTE
+      end select
+   end subroutine judge
 
    !> The line is a header
    pure logical function is_header(deck, line)

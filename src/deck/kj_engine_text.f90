@@ -9,7 +9,7 @@ module kj_engine_text
    implicit none
    private
 
-   public :: engine_line_t, load_engine, split_words, read_values, word_integer, &
+   public :: engine_line_t, load_engine, has_engine_part, split_words, read_values, word_integer, &
       report_value
 
    integer, parameter :: MOST_WORDS = 8
@@ -44,7 +44,41 @@ contains
          if (is_data(deck%source(1)%text(first:last))) call add_line(deck, 1, number, first, last)
          first = next
       end do
+      call skip_starter(deck)
    end subroutine load_engine
+
+   !> Of a deck in one file the engine part begins at /RUN
+   pure subroutine skip_starter(deck)
+      type(deck_t), intent(inout) :: deck
+
+      integer :: line, first, n
+      logical :: one_file
+
+      first = 0
+      one_file = .false.
+      do line = deck%n_line, 1, -1
+         if (index(line_text(deck, line), '/RUN') == 1) first = line
+         one_file = one_file .or. index(line_text(deck, line), '/BEGIN') == 1
+      end do
+      if (.not. one_file .or. first == 0) return
+      n = deck%n_line - first + 1
+      deck%line_source(:n) = deck%line_source(first:deck%n_line)
+      deck%line_number(:n) = deck%line_number(first:deck%n_line)
+      deck%line_first(:n) = deck%line_first(first:deck%n_line)
+      deck%line_last(:n) = deck%line_last(first:deck%n_line)
+      deck%n_line = n
+   end subroutine skip_starter
+
+   !> The file of a starter deck holds an engine part, too
+   logical function has_engine_part(path) result(has)
+      character(len=*), intent(in) :: path
+
+      type(deck_t) :: deck
+
+      has = .false.
+      call load_engine(path, deck)
+      if (deck%n_line > 0) has = index(line_text(deck, 1), '/RUN') == 1
+   end function has_engine_part
 
    !> The line is neither a comment nor blank
    pure logical function is_data(text)

@@ -6,7 +6,8 @@ module kj_element_mass
    use kj_kinds, only: wp
    use kj_units, only: D_LENGTH, dimensions
    use kj_sort, only: lookup_t, find
-   use kj_keywords, only: KW_SHELL, KW_SH3N, KW_BRICK, KW_TETRA4, KW_PENTA6, KW_TETRA10, KW_BRIC20, &
+   use kj_keywords, only: KW_SHELL, KW_SH3N, KW_BRICK, KW_TETRA4, KW_PENTA6, KW_TETRA10, &
+      KW_BRIC20, &
       KW_SHEL16, KW_BEAM, KW_TRUSS, KW_SPRING
    use kj_deck_text, only: first_card, block_factors
    use kj_card_cut, only: read_real_at
@@ -207,7 +208,8 @@ contains
          case (KW_BEAM, KW_TRUSS)
             e%mass(:2) = 0.5_wp*rho*s%area*norm2(x(:, 2) - x(:, 1))
             if (element_cards(e%row)%keyword == KW_BEAM) e%inertia(:2) = beam_inertia(s, &
-               norm2(x(:, 2) - x(:, 1)), rho, nu_of(scales, material), nu_of(scales, material) > -1.0_wp)
+               norm2(x(:, 2) - x(:, 1)), rho, nu_of(scales, material), nu_of(scales, material) > &
+               -1.0_wp)
          case (KW_SPRING)
             call weigh_spring(s, x, e)
          case default

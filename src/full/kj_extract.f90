@@ -12,7 +12,8 @@ module kj_extract
    use kj_sha256, only: sha256
    use kj_keywords, only: keywords, HEAD_ID, HEAD_TYPE_ID, KW_BEGIN, KW_TITLE, KW_UNIT, KW_ANALY, &
       KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, &
-      KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, KW_FRAME_NOD
+      KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
+      KW_FRAME_NOD
    use kj_deck_text, only: deck_t, line_text, first_card, title_of
    use kj_card_text, only: real_field, integer_field
    use kj_card_lists, only: th_t, read_th
@@ -78,12 +79,13 @@ contains
       character(len=20) :: si(3)
 
       call put(page, '#RADIOSS STARTER')
-      call put(page, '# The mechanism of '//name_of(deck%source(1)%path)//', taken out by kjoint '// &
+      call put(page, &
+         '# The mechanism of '//name_of(deck%source(1)%path)//', taken out by kjoint '// &
          KJOINT_VERSION)
       call put(page, '# SHA-256 of that deck: '//sha256(deck%source(1)%text))
       do block = 1, deck%n_block
-         if (any(deck%block(block)%keyword == [KW_BEGIN, KW_TITLE, KW_ANALY]) .or. &
-            is_named(deck, block, '/IOFLAG')) call copy_block(deck, block, page)
+         if (any(deck%block(block)%keyword == [KW_BEGIN, KW_TITLE, KW_ANALY])) &
+            call copy_block(deck, block, page)
       end do
       do block = 1, deck%n_block
          if (deck%block(block)%keyword == KW_UNIT) call copy_block(deck, block, page)
@@ -94,15 +96,6 @@ contains
       call put(page, 'work units')
       call put(page, si(1)//si(2)//si(3))
    end subroutine write_head
-
-   pure logical function is_named(deck, block, name)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block
-      character(len=*), intent(in) :: name
-
-      is_named = .false.
-      if (deck%block(block)%row > 0) is_named = keywords(deck%block(block)%row)%name == name
-   end function is_named
 
    pure function name_of(path) result(name)
       character(len=*), intent(in) :: path
@@ -383,7 +376,8 @@ contains
          block = draft%groups(i)%block
          if (find(draft%group, draft%deck%block(block)%id) /= i) cycle
          node = pack(draft%groups(i)%node, keep%node(draft%groups(i)%node))
-         call write_group(draft, draft%deck%block(block)%id, title_of(draft%deck, block), node, page)
+         call write_group(draft, draft%deck%block(block)%id, title_of(draft%deck, block), node, &
+            page)
       end do
    end subroutine write_conditions
 

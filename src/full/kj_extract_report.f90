@@ -2,14 +2,13 @@
 !> Source: docs/theory/full.md 6.
 module kj_extract_report
    use kj_kinds, only: wp
-   use kj_sort, only: find, find_root, sorted_order
-   use kj_keywords, only: keywords, FULL_ONLY, KW_SPRING, KW_GRAV, KW_CLOAD, KW_KJOINT, KW_KJOINT2, &
-      KW_TH_NODE, KW_RBODY
+   use kj_sort, only: find_root
+   use kj_keywords, only: keywords, KW_SPRING, KW_GRAV, KW_CLOAD, KW_KJOINT, KW_KJOINT2
    use kj_deck_text, only: title_of
    use kj_draft, only: draft_t
    use kj_model, only: model_t
    use kj_element_cards, only: element_row, element_cards
-   use kj_element_mass, only: scales_t, element_t, first_element, next_element, NO_PROBLEM
+   use kj_element_mass, only: scales_t, element_t, first_element, next_element
    use kj_keep, only: keep_t, body_of
    implicit none
    private
@@ -32,10 +31,19 @@ module kj_extract_report
       integer :: part = 0                        !! id
       type(text_t) :: title
       integer :: n = 0                           !! elements
-      logical :: void = .false.                  !! without stiffness: no force in the full deck either
-      integer :: body(2) = 0                     !! ids of two bodies it joins, 0 = a body and others
+      !> without stiffness: no force in the full deck either
+      logical :: void = .false.
+      !> ids of two bodies it joins, 0 = a body and others
+      integer :: body(2) = 0
       logical :: alone = .false.                 !! nothing else joins these two
    end type bridge_t
+
+   !> A condition out of scope that acts on bodies in the full deck
+   type, public :: act_t
+      character(len=20) :: name = ''             !! keyword
+      type(text_t) :: what
+      integer, allocatable :: body(:)            !! ids
+   end type act_t
 
    !> A part that is left behind with its mass
    type, public :: lost_part_t
@@ -62,8 +70,10 @@ module kj_extract_report
       integer :: n_lost = 0                      !! conditions that lost their nodes
       real(wp) :: total = 0.0_wp, in_bodies = 0.0_wp, on_free = 0.0_wp
       type(dropped_t), allocatable :: elements(:), others(:)
-      integer :: n_spanning = 0                  !! elements that touch two bodies or a body and others
+      !> elements that touch two bodies or a body and others
+      integer :: n_spanning = 0
       type(bridge_t), allocatable :: bridge(:)
+      type(act_t), allocatable :: acts(:)
       type(lost_part_t), allocatable :: lost(:)  !! heaviest first, at most five
    end type extract_report_t
 
@@ -86,6 +96,7 @@ contains
       call tell_dropped(draft, report)
       call tell_bridges(draft, scales, report)
       call tell_lost_parts(draft, scales, report)
+      allocate (report%acts(0))
    end subroutine new_report
 
    !> Mass, centre and inertia of the bodies, and where the mass comes from
@@ -346,6 +357,7 @@ contains
       lost = 0
       do block = 1, draft%deck%n_block
          if (element_row(draft%deck%block(block)%keyword) == 0) cycle
+         if (draft%deck%block(block)%keyword == KW_SPRING) cycle
          call first_element(draft, block, e)
          if (e%part == 0) cycle
          do

@@ -1,4 +1,5 @@
-!> A full deck -> its draft: nodes with the mass of all elements, groups, and bodies that are weighed.
+!> A full deck -> its draft: nodes with the mass of all elements, groups, and bodies that are
+!> weighed.
 module kj_full_draft
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_WARNING
@@ -6,7 +7,8 @@ module kj_full_draft
    use kj_math3, only: cross
    use kj_keywords, only: KW_ADMAS, KW_GRPART, KW_RBE2, KW_RBODY
    use kj_deck_text, only: first_card
-   use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, report, report_row, &
+   use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, report, &
+      report_row, &
       row_of
    use kj_card_lists, only: ids_t, read_id_lines
    use kj_element_cards, only: element_row

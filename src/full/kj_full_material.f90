@@ -29,7 +29,8 @@ module kj_full_material
       'MULTIFLUID', 'LAW51', 'MULTIMAT', 'LAW37', 'BIPHAS', 'PLAS_PREDE', 'LAW108', 'SPR_GENE', &
       'LAW113', 'SPR_BEAM', 'LAW114', 'LAW135', 'LAW13', 'RIGID']
    !> Laws without any
-   character(len=10), parameter :: NONE(*) = [character(len=10) :: 'GAS', 'USER1', 'USER2', 'USER3', &
+   character(len=10), parameter :: NONE(*) = [character(len=10) :: 'GAS', 'USER1', 'USER2', &
+      'USER3', &
       'LAW29', 'LAW30', 'LAW31']
    !> Laws whose second card begins with E and nu
    character(len=10), parameter :: ELASTIC(*) = [character(len=10) :: 'LAW1', 'LAW01', 'ELAST', &

@@ -247,7 +247,8 @@ contains
       integer :: ileng
       logical :: six                             ! laws: it has an inertia
 
-      six = any(word == [character(len=10) :: 'SPR_GENE', 'TYPE8', 'SPR_BEAM', 'TYPE13', 'SPR_AXI', &
+      six = any(word == [character(len=10) :: 'SPR_GENE', 'TYPE8', 'SPR_BEAM', 'TYPE13', &
+         'SPR_AXI', &
          'TYPE25'])
       call card_real(draft%deck, block, 1, 1, f(D_MASS), s%mass)
       if (six) call card_real(draft%deck, block, 1, 21, f(D_INERTIA), s%inertia)

@@ -5,7 +5,8 @@ module kj_keep
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: lookup_t, find, find_root
-   use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, KW_IMPDISP, &
+   use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, &
+      KW_IMPDISP, &
       KW_IMPACC, KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS, KW_TH_NODE
    use kj_deck_text, only: first_card, report_header, line_text
    use kj_card_lists, only: th_t, read_th
@@ -32,7 +33,8 @@ module kj_keep
       logical, allocatable :: block(:)           !! (n_block) conditions that still act
       logical, allocatable :: group(:), curve(:), sensor(:)
       logical, allocatable :: skew(:), frame(:)
-      logical, allocatable :: fixed_skew(:), fixed_frame(:)   !! written with their axes at the start
+      !> written with their axes at the start
+      logical, allocatable :: fixed_skew(:), fixed_frame(:)
       integer :: n_free = 0                      !! nodes of no body among those kept
       integer :: n_lost = 0                      !! conditions that lost all their nodes
    end type keep_t
@@ -66,7 +68,7 @@ contains
       n = draft%frames%n
       allocate (keep%frame(n), keep%fixed_frame(n), source=.false.)
       keep%node = draft%main_of > 0
-      call keep_springs(draft, keep)
+      call keep_springs(draft, element_mass, keep)
       call keep_conditions(draft, keep)
       call keep_requests(draft, keep)
       call keep_axes(draft, keep)
@@ -74,10 +76,10 @@ contains
       call report_free_nodes(draft, element_mass, keep)
    end subroutine decide
 
-   !> Springs and joints of properties that are read, with an end on a body or on a node that other
-   !> such springs tie to one
-   subroutine keep_springs(draft, keep)
+   !> Springs and joints of properties that are read, but those that hang on deformable parts alone
+   subroutine keep_springs(draft, element_mass, keep)
       type(draft_t), intent(inout) :: draft
+      real(wp), intent(in) :: element_mass(:)
       type(keep_t), intent(inout) :: keep
 
       integer, allocatable :: parent(:)
@@ -94,11 +96,14 @@ contains
          call find_root(raw(2), parent, other)
          parent(other) = root
       end do
-      allocate (tied(draft%n_node), source=.false.)
+      allocate (tied(draft%n_node), source=.true.)
       do i = 1, draft%n_node
-         if (body_of(draft, i) == 0) cycle
          call find_root(i, parent, root)
-         tied(root) = .true.
+         if (body_of(draft, i) == 0 .and. element_mass(i) > 0.0_wp) tied(root) = .false.
+      end do
+      do i = 1, draft%n_node
+         call find_root(i, parent, root)
+         if (body_of(draft, i) > 0) tied(root) = .true.
       end do
       do i = 1, draft%elements%n
          if (.not. is_known(draft, i)) cycle
@@ -338,7 +343,8 @@ contains
 
       do block = draft%deck%n_block, 1, -1
          if (draft%deck%block(block)%id /= id .or. draft%deck%block(block)%row == 0) cycle
-         if (index(keywords(draft%deck%block(block)%row)%name, merge('/FRAME', '/SKEW ', is_frame)) &
+         if (index(keywords(draft%deck%block(block)%row)%name, merge('/FRAME', '/SKEW ', &
+            is_frame)) &
             == 1 .or. index(keywords(draft%deck%block(block)%row)%name, &
             trim(merge('/FRAME', '/SKEW ', is_frame))//'/') == 1) return
       end do

@@ -46,7 +46,8 @@ contains
       draft%deck%findings = findings
       call read_deck(path, draft%deck, full=.true., settings=settings)
       if (draft%deck%readable) call build_full_draft(draft, scales, element_mass, model)
-      if (draft%deck%findings%n_error == 0 .and. draft%deck%readable) then
+      if (draft%deck%findings%n_error == count_late(draft%deck%findings) .and. &
+         draft%deck%readable) then
          call decide(draft, element_mass, keep)
          call weigh_kept_springs(draft, scales, keep, spring_mass, spring_inertia)
          call new_page(page)
@@ -59,6 +60,14 @@ contains
       report%text = page%text(:page%n)
       call read_page(path, page, draft%deck, deck)
    end subroutine take_mechanism
+
+   !> Errors of bodies that a sensor makes later: these can be weighed all the same
+   pure integer function count_late(findings) result(n)
+      type(finding_list_t), intent(in) :: findings
+
+      n = 0
+      if (findings%n > 0) n = count(findings%item(:findings%n)%id == 'KJ-9116')
+   end function count_late
 
    !> Mass and inertia that kept springs put on nodes
    subroutine weigh_kept_springs(draft, scales, keep, mass, inertia)
@@ -100,7 +109,7 @@ contains
       type(source_t) :: source
       integer :: i, k, first
 
-      source%path = path
+      source%path = path//' (mechanism)'
       source%role = ROLE
       source%text = page%text(:page%n)
       call read_deck(path, deck, source=source)

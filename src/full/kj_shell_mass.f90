@@ -16,6 +16,7 @@ contains
       area = 0.5_wp*norm2(cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2)))
    end function shell_area
 
+   !> Half of the cross product of two sides
    pure real(wp) function triangle_area(x) result(area)
       real(wp), intent(in) :: x(3, 3)
 

@@ -9,9 +9,12 @@ module kj_solid_mass
       shell16_shares
 
    !> Signs of the corners of a brick, in the order of its nodes
-   real(wp), parameter :: R(8) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
-   real(wp), parameter :: S(8) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
-   real(wp), parameter :: T(8) = [-1.0_wp, -1.0_wp, -1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp]
+   real(wp), parameter :: R(8) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, &
+      -1.0_wp]
+   real(wp), parameter :: S(8) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp, 1.0_wp, &
+      1.0_wp]
+   real(wp), parameter :: T(8) = [-1.0_wp, -1.0_wp, -1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, &
+      1.0_wp]
    real(wp), parameter :: GAUSS = 1.0_wp/sqrt(3.0_wp)
    real(wp), parameter :: C = 3.0_wp/14.0_wp     !! mass of a corner over that of a mid node
    !> Edges with the mid nodes 5 to 10 of a tetrahedron

@@ -16,6 +16,7 @@ module kj_text_block
 
 contains
 
+   !> An empty page
    subroutine new_page(page)
       type(page_t), intent(out) :: page
 

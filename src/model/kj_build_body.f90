@@ -1,6 +1,7 @@
 !> Cards -> model: rigid bodies, and the numbering of nodes.
 !>
 !> A body with a wrong main node is kept for the checks that follow: another of its nodes stands in.
+!> One file: what makes a body, and the numbers that its nodes get.
 module kj_build_body
    use kj_kinds, only: wp
    use kj_error, only: error_t, str, SEV_ERROR, SEV_WARNING, SEV_NOTE
@@ -22,6 +23,7 @@ module kj_build_body
       integer, allocatable :: node(:)           !! secondary nodes, raw indices
       type(body_input_t) :: input
       logical :: weighed = .true.               !! its mass can be told
+      logical :: late = .false.                 !! a sensor makes it a body during the run
    end type crew_t
 
 contains
@@ -105,7 +107,8 @@ contains
          call report(draft%deck, cards, 'node_id', merge(SEV_WARNING, SEV_NOTE, &
             real_of(cards, 'Mass') > 0.0_wp .or. int_of(cards, 'ICoG') >= 3), 'KJ-3122', &
             'the rigid body has no main node: node '//str(draft%id(crew%main))//' is made', &
-            'at the origin, as in Radioss', hint='a Mass here sits at the origin, and with ICoG '// &
+            'at the origin, as in Radioss', &
+            hint='a Mass here sits at the origin, and with ICoG '// &
             '3 and 4 the body turns about it')
       else
          crew%main = node_of(draft, cards, 'node_id')
@@ -135,7 +138,7 @@ contains
          input%icog = choice_of(draft%deck, cards, 'ICoG', 4, 1, 'KJ-9114')
          input%ispher = choice_of(draft%deck, cards, 'Ispher', 3, 2, 'KJ-9115')
          sensed = int_of(cards, 'sens_id') > 0
-         if (sensed) call check_sensor(draft, cards)
+         if (sensed) call check_sensor(draft, cards, crew%late)
          if (int_of(cards, 'Ifail') /= 0) call report(draft%deck, cards, 'Ifail', SEV_ERROR, &
             'KJ-9150', 'rigid bodies that fail are not supported', 'expected: 0')
          input%mass = real_of(cards, 'Mass')
@@ -165,15 +168,17 @@ contains
    end subroutine read_body
 
    !> A sensor may switch a body on at the start, no later; Mass and J of its card do not count then
-   subroutine check_sensor(draft, cards)
+   subroutine check_sensor(draft, cards, late)
       type(draft_t), intent(inout) :: draft
       type(cards_t), intent(in) :: cards
+      logical, intent(inout) :: late
 
       integer :: sensor
 
       sensor = reference(draft%deck, cards, 'sens_id', draft%sensor, 'sensor', 'KJ-0521')
       if (sensor == 0) return
-      if (draft%sensors(sensor)%t_start > 0.0_wp) then
+      late = draft%sensors(sensor)%t_start > 0.0_wp
+      if (late) then
          call report(draft%deck, cards, 'sens_id', SEV_ERROR, 'KJ-9116', &
             'a rigid body that becomes one during the run is not supported', &
             'expected: a sensor with Tdelay 0')
@@ -362,7 +367,7 @@ contains
          if (allocated(error)) body%principal = 0.0_wp
          if (.not. allocated(error)) &
             call correct_inertia(crew(b)%input%ispher, body%principal, changed)
-         call check_body(draft%deck, crew(b)%block, body, changed)
+         if (.not. crew(b)%late) call check_body(draft%deck, crew(b)%block, body, changed)
          model%x0(b, :) = body%x
          model%mass(b) = body%mass
          model%principal(b, :) = body%principal

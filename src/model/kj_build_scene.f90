@@ -5,9 +5,12 @@ module kj_build_scene
    use kj_error, only: fail, add_finding, error_t, str, SEV_ERROR, SEV_WARNING, ERR_INPUT
    use kj_sort, only: new_lookup, find, lookup_t
    use kj_keywords, only: KW_NODE, KW_ADMAS, KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_ANALY, &
-      KW_RANDOM, KW_PART, KW_RBODY, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_MAT_VOID, &
+      KW_RANDOM, KW_PART, KW_RBODY, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, &
+      KW_MAT_VOID, &
       keywords
-   use kj_deck_text, only: deck_t, report_header
+   use kj_deck_text, only: deck_t, report_header, first_card, line_text
+   use kj_card_cut, only: cut_t, cut_card
+   use kj_number, only: parse_integer, NUMBER_FINE, NUMBER_BLANK
    use kj_element_cards, only: element_row
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
       report_row, row_of
@@ -61,17 +64,22 @@ contains
    subroutine make_main_nodes(draft)
       type(draft_t), intent(inout) :: draft
 
-      type(cards_t) :: cards
+      type(cut_t) :: cut
       integer, allocatable :: blocks(:)
-      integer :: i, n, most
+      character(len=:), allocatable :: text
+      integer :: i, n, most, node, status
       real(wp), allocatable :: x(:, :)
 
       allocate (draft%made_main(0))
       if (draft%n_node == 0) return
       blocks = blocks_of(draft%deck, KW_RBODY)
       do i = 1, size(blocks)
-         call read_cards(draft%deck, blocks(i), cards)
-         if (int_of(cards, 'node_id') == 0) draft%made_main = [draft%made_main, blocks(i)]
+         if (first_card(draft%deck, blocks(i)) > draft%deck%block(blocks(i))%last) cycle
+         text = line_text(draft%deck, first_card(draft%deck, blocks(i)))
+         call cut_card(text, 1, [1], [10], cut)
+         call parse_integer(text(cut%first(1):cut%last(1)), node, status)
+         if (any(status == [NUMBER_FINE, NUMBER_BLANK]) .and. node == 0) &
+            draft%made_main = [draft%made_main, blocks(i)]
       end do
       n = size(draft%made_main)
       if (n == 0) return
@@ -98,7 +106,7 @@ contains
             call add_mass_rows(draft, blocks(i))
             cycle
          end if
-         if (all(draft%deck%block(blocks(i))%variant /= [0, 1])) cycle   ! those of parts: kj_full_draft
+         if (all(draft%deck%block(blocks(i))%variant /= [0, 1])) cycle   ! of parts
          call read_cards(draft%deck, blocks(i), cards)
          call group_nodes(draft, cards, 'grnod_id', 'KJ-0668', .true., nodes)
          mass = real_of(cards, 'mass')

@@ -116,7 +116,8 @@ module kj_draft
       type(sensor_t), allocatable :: sensors(:)
       type(elements_t) :: elements
       integer, allocatable :: part_block(:), body_block(:)
-      integer, allocatable :: made_main(:)       !! /RBODY blocks whose main node was made, the last nodes
+      !> /RBODY blocks whose main node was made, the last nodes
+      integer, allocatable :: made_main(:)
       type(property_t), allocatable :: properties(:)
       integer, allocatable :: property_block(:)  !! KJOINT, KJOINT2, then springs of types 4 and 8
       integer, allocatable :: part_property(:)   !! place in property_block, 0 = none

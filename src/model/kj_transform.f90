@@ -1,6 +1,6 @@
 !> /TRANSFORM: nodes are moved, in the order of the deck, before anything is built on them.
 !>
-!> Every move is x' = a x + b. Source: docs/theory/deck.md 14.
+!> Every move is x' = a x + b. Source: docs/theory/full.md 3.
 module kj_transform
    use kj_kinds, only: wp
    use kj_error, only: SEV_ERROR, SEV_WARNING, str
