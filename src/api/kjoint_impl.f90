@@ -8,6 +8,7 @@ submodule (kjoint) kjoint_impl
    use kj_engine_text, only: has_engine_part
    use kj_parameter, only: setting_t
    use kj_mechanism, only: take_mechanism
+   use kj_text, only: append_text
    use kj_build, only: build_model
    use kj_build_joint, only: scale_blocking
    use kj_draft, only: draft_t
@@ -132,6 +133,7 @@ contains
       if (has_engine) then
          call read_engine(path, controls, engine_source, deck%findings, kept=kept)
          report%engine = kept
+         if (allocated(report%input)) call append_text(report%input, path)
       end if
       findings = deck%findings
    end procedure extract_mechanism

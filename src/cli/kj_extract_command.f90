@@ -2,10 +2,11 @@
 !> rest.
 module kj_extract_command
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_INPUT, ERR_RUN
+   use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_RUN
    use kj_option, only: arguments_t, OPT_OUTPUT, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_run_arguments, only: take_run_options, exit_code
-   use kj_terminal, only: print_line, write_file, may_colour, STDERR
+   use kj_terminal, only: print_line, may_colour, STDERR
+   use kj_output, only: write_output
    use kj_render, only: print_findings, print_failure
    use kj_words, only: counted, short
    use kj_json_writer, only: json_member, json_pair, json_text, json_reals, json_findings, comma
@@ -33,17 +34,15 @@ contains
       if (args%n_operand == 2) engine = args%operand(2)%s
       path = output_path(args)
       call take_run_options(args, options, error)
-      if (path == args%operand(1)%s .or. engine_path(path) == args%operand(1)%s) call fail(error, &
-         ERR_INPUT, 'the output is the deck itself: '//path)
       if (.not. allocated(error)) call extract_mechanism(args%operand(1)%s, engine, options, &
          report, findings)
       well = .not. allocated(error) .and. findings%n_error == 0
       if (well) then
          if (size(report%body_id) + report%n_joint + report%n_spring == 0) call fail(error, &
             ERR_RUN, 'nothing is left: the deck has no rigid body, joint or spring')
-         if (.not. allocated(error)) call write_file(path, report%text, error)
-         if (.not. allocated(error) .and. len(report%engine) > 0) call write_file( &
-            engine_path(path), '#RADIOSS ENGINE'//new_line('a')//report%engine, error)
+         if (.not. allocated(error)) call write_output(path, report%text, report%input, error)
+         if (.not. allocated(error) .and. len(report%engine) > 0) call write_output( &
+            engine_path(path), '#RADIOSS ENGINE'//new_line('a')//report%engine, report%input, error)
          well = .not. allocated(error)
       end if
       code = exit_code(findings, error)

@@ -116,7 +116,7 @@ module kj_message_scene
    message_t('KJ-3121', SEV_ERROR, 'a node is in two rigid bodies', 'A node can be a secondary node of one body only.', &
       'Remove it from one of the groups.'), &
    message_t('KJ-3122', SEV_WARNING, 'the rigid body has no main node', 'A node is made at the origin, its id one '// &
-      'above the largest. A Mass of the card sits there; with ICoG 3 and 4 the body turns about it.', &
+      'above the largest. A Mass of the card sits there; with ICoG 3, 4 the body turns about it.', &
       'Define a node and name it in columns 1 to 10.'), &
    message_t('KJ-3151', SEV_WARNING, 'the inertia of an added mass', '/ADMAS with inertia: only Ixx is used.', &
       'Check the inertia.'), &

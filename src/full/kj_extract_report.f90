@@ -2,6 +2,7 @@
 !> Source: docs/theory/full.md 6.
 module kj_extract_report
    use kj_kinds, only: wp
+   use kj_text, only: text_t
    use kj_sort, only: find_root
    use kj_keywords, only: keywords, KW_SPRING, KW_GRAV, KW_CLOAD, KW_KJOINT, KW_KJOINT2
    use kj_deck_text, only: title_of
@@ -14,11 +15,6 @@ module kj_extract_report
    private
 
    public :: extract_report_t, new_report
-
-   !> A text
-   type, public :: text_t
-      character(len=:), allocatable :: s
-   end type text_t
 
    !> A kind of thing that is not in the mechanism
    type, public :: dropped_t
@@ -56,6 +52,7 @@ module kj_extract_report
    type :: extract_report_t
       character(len=:), allocatable :: text      !! the starter deck of the mechanism
       character(len=:), allocatable :: engine    !! its engine deck, '' = none
+      type(text_t), allocatable :: input(:)      !! paths of the decks
       character(len=20) :: symbol(3) = ''        !! units of mass, length, time
       integer, allocatable :: body_id(:), main(:)   !! (bodies) ids
       type(text_t), allocatable :: body_name(:)

@@ -42,6 +42,7 @@ contains
       type(keep_t) :: keep
       type(page_t) :: page
       real(wp), allocatable :: element_mass(:), spring_mass(:), spring_inertia(:)
+      integer :: i
 
       draft%deck%findings = findings
       call read_deck(path, draft%deck, full=.true., settings=settings)
@@ -59,6 +60,10 @@ contains
       if (.not. deck%readable) return
       report%text = page%text(:page%n)
       call read_page(path, page, draft%deck, deck)
+      allocate (report%input(deck%n_source - 1))
+      do i = 1, size(report%input)
+         report%input(i)%s = deck%source(i + 1)%path
+      end do
    end subroutine take_mechanism
 
    !> Errors of bodies that a sensor makes later: these can be weighed all the same
