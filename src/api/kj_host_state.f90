@@ -163,6 +163,10 @@ contains
       do i = 1, n
          call rows_of(joint%block(block_of(i)), row)
          call pass(row(lane_of(i), :), tape)
+         if (allocated(joint%spring)) then
+            call rows_of(joint%spring(block_of(i)), row)
+            call pass(row(lane_of(i), :), tape)
+         end if
          if (.not. allocated(joint%limit)) cycle
          call rows_of(joint%limit(block_of(i)), row)
          call pass(row(lane_of(i), :), tape)

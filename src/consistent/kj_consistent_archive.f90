@@ -111,9 +111,15 @@ contains
          call rows_of(joint%block(i), row)
          call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
       end do
-      if (.not. allocated(joint%limit)) return
-      do i = 1, size(joint%limit)
-         call rows_of(joint%limit(i), row)
+      if (allocated(joint%limit)) then
+         do i = 1, size(joint%limit)
+            call rows_of(joint%limit(i), row)
+            call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
+         end do
+      end if
+      if (.not. allocated(joint%spring)) return
+      do i = 1, size(joint%spring)
+         call rows_of(joint%spring(i), row)
          call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
       end do
    end subroutine keep_joint

@@ -5,7 +5,8 @@ module kj_consistent_batch
    use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
    use kj_joint_batch, only: joint_batch_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, LAW_DAMPER, &
-      LAW_DAMPER_CURVE
+      LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened
+   use kj_spring_law, only: spring_block_t, WAITING, ALIVE
    use kj_block, only: BLOCK, rows_at, block_of, lane_of
    implicit none
    private
@@ -54,11 +55,12 @@ module kj_consistent_batch
    type :: consistent_joint_t
       type(consistent_block_t), allocatable :: block(:)
       type(limit_block_t), allocatable :: limit(:)   !! of limited batches only
+      type(spring_block_t), allocatable :: spring(:)   !! of hardened springs only
    end type consistent_joint_t
 
    !> A block as (BLOCK, fields)
    interface rows_of
-      module procedure rows_of_block, rows_of_limits
+      module procedure rows_of_block, rows_of_limits, rows_of_springs
    end interface rows_of
 
 contains
@@ -76,7 +78,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       logical :: on(NDOF)
 
-      on = batch%limited .or. iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE) /= 0
+      on = batch%limited .or. iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE + LAW_HARDENED) /= 0
    end function sprung_dofs
 
    !> The dofs of a batch that may have a damping force
@@ -84,7 +86,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       logical :: on(NDOF)
 
-      on = batch%limited .or. iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0
+      on = batch%limited .or. iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE + LAW_HARDENED) /= 0
    end function damped_dofs
 
    !> State of the joints of a batch, all zero
@@ -92,10 +94,18 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(consistent_joint_t), intent(out) :: joint
 
+      integer :: i
+
       associate (blocks => (batch%n + BLOCK - 1)/BLOCK)
          allocate (joint%block(blocks))
          if (batch%limited) allocate (joint%limit(blocks))
+         if (.not. is_hardened(batch)) return
+         allocate (joint%spring(blocks))
       end associate
+      do i = 1, batch%n
+         if (batch%spring(i)%sensed .and. batch%spring(i)%flag /= 1) &
+            joint%spring(block_of(i))%alive(lane_of(i)) = WAITING
+      end do
    end subroutine new_consistent_joint
 
    !> What goes with a joint from place to place is its row
@@ -112,6 +122,13 @@ contains
 
       call rows_at(c_loc(state), storage_size(state), row)
    end subroutine rows_of_limits
+
+   subroutine rows_of_springs(state, row)
+      type(spring_block_t), target, intent(in) :: state
+      real(wp), pointer, intent(out) :: row(:, :)
+
+      call rows_at(c_loc(state), storage_size(state), row)
+   end subroutine rows_of_springs
 
    !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a
    !> universal joint the dual basis of its axes

@@ -8,7 +8,7 @@ module kj_consistent_build
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
    use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
-      LAW_SPRING_CURVE, geometry_t
+      LAW_SPRING_CURVE, LAW_HARDENED, geometry_t
    use kj_model, only: load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_batch, only: chart_of, new_consistent_joint
@@ -182,7 +182,8 @@ contains
       associate (batch => model%batch(b))
          g%chart = chart_of(batch)
          g%mean = batch%frame /= FRAME_FIRST .and. .not. is_spring(batch)
-         g%damped = batch%limited .or. any(iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0)
+         g%damped = batch%limited .or. any(iand(batch%law, &
+            LAW_DAMPER + LAW_DAMPER_CURVE + LAW_HARDENED) /= 0)
          g%shifted = any(abs(batch%angle0) > 0.0_wp)
          g%apart = model%x0(batch%lead(:, 2), :) - model%x0(batch%lead(:, 1), :)
          g%plain = [(all(joint_types(batch%row)%free(1:3) == 0) .and. g%mean .and. &

@@ -4,7 +4,8 @@ module kj_consistent_compliant_build
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, LAW_SPRING, LAW_SPRING_CURVE
+   use kj_joint_batch, only: is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, LAW_SPRING, LAW_SPRING_CURVE, &
+      LAW_HARDENED
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_compliant_types, only: compliant_t, leads_then_t
    use kj_consistent_compliant_pattern, only: new_pattern
@@ -89,9 +90,9 @@ contains
          allocate (self%joint(b)%block((batch%n + BLOCK - 1)/BLOCK))
          self%explicit(:, b) = is_spring(batch) .or. joint_types(batch%row)%free == 1
          self%damped(b) = batch%limited .or. any(self%explicit(:, b) .and. &
-            iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE) /= 0)
+            iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE + LAW_HARDENED) /= 0)
          self%sprung(b) = batch%limited .or. any(self%explicit(:, b) .and. &
-            iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE) /= 0)
+            iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE + LAW_HARDENED) /= 0)
          self%rowed(b) = self%damped(b) .or. any(.not. self%explicit(:, b))
          do at = 1, size(self%joint(b)%block)
             do i = 1, min(BLOCK, batch%n - BLOCK*(at - 1))

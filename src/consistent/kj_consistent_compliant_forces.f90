@@ -7,11 +7,12 @@ module kj_consistent_compliant_forces
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_joint_types, only: joint_types, NDOF, CHART_VECTOR
-   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE
+   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened
    use kj_consistent_batch, only: limit_block_t
    use kj_consistent_matrix, only: rates, put_wrench, add_moment
    use kj_consistent_springs, only: coordinates, laws
    use kj_consistent_dampers, only: damper
+   use kj_consistent_hardening, only: hardened_damper
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_compliant_types, only: compliant_t, compliant_block_t
    use kj_consistent_compliant_matrix, only: add_wrenches, wrench_of_rows
@@ -141,7 +142,8 @@ contains
       do b = 1, size(model%batch)
          if (.not. self%damped(b)) cycle
          associate (batch => model%batch(b))
-            any_rest = any_rest .or. batch%limited .or. any(iand(batch%law, LAW_DAMPER_CURVE) /= 0)
+            any_rest = any_rest .or. batch%limited .or. &
+               any(iand(batch%law, LAW_DAMPER_CURVE + LAW_HARDENED) /= 0)
             do at = 1, size(self%joint(b)%block)
                from = BLOCK*(at - 1) + 1
                n = min(BLOCK, batch%n - from + 1)
@@ -149,8 +151,13 @@ contains
                   call rates(batch, ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, rate)
                   do k = 1, NDOF
                      if (.not. self%explicit(k, b)) cycle
-                     call damper(batch, model%curves, from, n, k, rate(:, k), f, c)
-                     curve = iand(batch%law(k), LAW_DAMPER_CURVE) /= 0
+                     if (is_hardened(batch)) then
+                        call hardened_damper(batch, model%curves, from, n, k, rate(:, k), &
+                           state%joint(b)%spring(at), f, c)
+                     else
+                        call damper(batch, model%curves, from, n, k, rate(:, k), f, c)
+                     end if
+                     curve = iand(batch%law(k), LAW_DAMPER_CURVE + LAW_HARDENED) /= 0
                      do i = 1, n
                         rows%rest(i, k) = merge(f(i) - c(i)*rate(i, k), 0.0_wp, curve)
                         if (batch%limited) c(i) = c(i) + state%joint(b)%limit(at)%c_limit(i, k)

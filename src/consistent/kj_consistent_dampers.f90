@@ -5,11 +5,12 @@ module kj_consistent_dampers
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF
-   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, joint_batch_t
+   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, joint_batch_t, is_hardened
    use kj_block, only: BLOCK
    use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, damped_dofs
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_compliance, only: end_inertias, compliance
+   use kj_consistent_hardening, only: hardened_damper
    use kj_consistent_stop, only: damp_round_stops
    implicit none
    private
@@ -49,7 +50,12 @@ contains
                   f(:n, k) = 0.0_wp
                   cycle
                end if
-               call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
+               if (is_hardened(batch)) then
+                  call hardened_damper(batch, curves, from, n, k, rate(:, k), joint%spring(at), &
+                     f(:, k), c(:, k))
+               else
+                  call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
+               end if
                if (batch%limited) then
                   c(:n, k) = c(:n, k) + joint%limit(at)%c_limit(:n, k)
                   f(:n, k) = f(:n, k) + joint%limit(at)%c_limit(:n, k)*rate(:n, k)

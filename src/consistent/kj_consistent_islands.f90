@@ -324,6 +324,11 @@ contains
          call rows_of(from%block(block_of(i)), a)
          call rows_of(to%block(block_of(place(i))), b)
          b(lane_of(place(i)), :) = a(lane_of(i), :)
+         if (allocated(from%spring)) then
+            call rows_of(from%spring(block_of(i)), a)
+            call rows_of(to%spring(block_of(place(i))), b)
+            b(lane_of(place(i)), :) = a(lane_of(i), :)
+         end if
          if (.not. allocated(from%limit)) cycle
          call rows_of(from%limit(block_of(i)), a)
          call rows_of(to%limit(block_of(place(i))), b)

@@ -301,7 +301,7 @@ contains
       integer, intent(in) :: i
 
       needs = .not. batch%geometry%plain(i) .or. &
-         any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE) /= 0)
+         any(iand(batch%law(4:6), LAW_SPRING + LAW_SPRING_CURVE + LAW_HARDENED) /= 0)
       if (.not. batch%limited) return
       associate (l => batch%limit)
          needs = needs .or. any(l%lo(i, 4:6) < 0.0_wp) .or. any(l%hi(i, 4:6) > 0.0_wp) .or. &

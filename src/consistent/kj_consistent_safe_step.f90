@@ -10,7 +10,9 @@
 module kj_consistent_safe_step
    use kj_kinds, only: wp
    use kj_math3, only: cross
-   use kj_joint_batch, only: is_spring, LAW_DAMPER_CURVE, LAW_SPRING_CURVE, joint_batch_t
+   use kj_joint_batch, only: is_spring, is_hardened, LAW_DAMPER_CURVE, LAW_SPRING_CURVE, &
+      joint_batch_t
+   use kj_spring_law, only: stiffness_bound, damping_bound
    use kj_block, only: BLOCK, block_of, lane_of
    use kj_joint_types, only: joint_types, CHART_VECTOR, CHART_LINE
    use kj_consistent_compliance, only: end_inertias, compliance, eigenvalues_from_above
@@ -73,9 +75,12 @@ contains
             bound%k(:, j) = largest_stiffness(model%curves, model%batch(b), i)
             if (model%batch(b)%geometry%chart == CHART_LINE) &
                bound%k(2:3, j) = tension(model%batch(b), state, b, i, bound%k(1, j))
-            if (explicit) bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, &
-               model%batch(b)%law, &
-               model%batch(b)%c(i, :), curves_of(model%batch(b)%c_curve, i))
+            if (explicit .and. is_hardened(model%batch(b))) then
+               bound%c(:, j) = damping_bound(model%batch(b)%spring(i)%dof)
+            else if (explicit) then
+               bound%c(:, j) = steepest(model%curves, LAW_DAMPER_CURVE, model%batch(b)%law, &
+                  model%batch(b)%c(i, :), curves_of(model%batch(b)%c_curve, i))
+            end if
             call compliances(model, state, b, i, s)
             do e = 1, 2
                bound%share(e, j) = eigenvalue(bound%k(:, j), s(:, :, e))
@@ -401,6 +406,13 @@ contains
       integer, intent(in) :: i
       real(wp) :: k(6)
 
+      integer :: dof
+
+      if (is_hardened(batch)) then
+         k = [(stiffness_bound(batch%spring(i)%dof(dof), curves), dof=1, 6)]
+         if (batch%spring(i)%per_length) k = k/batch%xl0(i, 1)
+         return
+      end if
       k = steepest(curves, LAW_SPRING_CURVE, batch%law, batch%k(i, :), &
          curves_of(batch%k_curve, i))
       if (batch%geometry%implicit .and. .not. is_spring(batch)) then

@@ -5,12 +5,13 @@ module kj_consistent_springs
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF, FRAME_FIXED, CHART_TWIST, CHART_VECTOR, CHART_UNIVERSAL
-   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, joint_batch_t
+   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, is_hardened, joint_batch_t
    use kj_block, only: BLOCK, turn_arm
    use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, matrix_t, sprung_dofs, &
       damped_dofs
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_dampers, only: count_damping
+   use kj_consistent_hardening, only: hardened_forces
    use kj_consistent_stop, only: add_limits
    use kj_consistent_friction, only: turn_in_frame
    use kj_consistent_chart, only: relative_pose, twist_chart, vector_chart, first_skew, spring_axes
@@ -118,6 +119,11 @@ contains
       real(wp), dimension(BLOCK, 6) :: now, before, slid, friction
       integer :: k, to
 
+      if (is_hardened(batch)) then
+         call hardened_forces(batch, curves, poses%time, poses%h, from, n, q, joint%block(at), &
+            joint%spring(at), f)
+         return
+      end if
       if (.not. (batch%geometry%shifted .or. batch%limited)) then
          do k = 1, NDOF
             call spring(batch, curves, from, n, k, q(:, k), f(:, k))

@@ -7,7 +7,7 @@ module kj_joint_batch
    implicit none
    private
 
-   public :: joint_batch_t, limits_t, geometry_t, new_batch, new_limits, is_spring, has_friction, &
+   public :: joint_batch_t, limits_t, geometry_t, new_batch, new_limits, is_spring, is_hardened, has_friction, &
       has_limits, blocking_stiffness
 
    !> Law signature of a dof, bits
@@ -15,6 +15,7 @@ module kj_joint_batch
    integer, parameter, public :: LAW_DAMPER = 2        !! linear damping, user or critical
    integer, parameter, public :: LAW_SPRING_CURVE = 4  !! tabulated elastic force
    integer, parameter, public :: LAW_DAMPER_CURVE = 8  !! tabulated damping force
+   integer, parameter, public :: LAW_HARDENED = 16     !! both as batch%spring has them
 
    integer, parameter, public :: KJOINT = 33, KJOINT2 = 45   !! kinds: /PROP/TYPE33, /PROP/TYPE45
    integer, parameter, public :: SPRING4 = 4, SPRING8 = 8, SPRING13 = 13   !! of /PROP/TYPEn
@@ -93,6 +94,13 @@ module kj_joint_batch
    end type joint_batch_t
 
 contains
+
+   !> A batch of springs with more than elastic laws
+   pure logical function is_hardened(batch)
+      type(joint_batch_t), intent(in) :: batch
+
+      is_hardened = any(batch%law == LAW_HARDENED)
+   end function is_hardened
 
    !> A batch of springs, not of joints
    pure elemental logical function is_spring(batch)

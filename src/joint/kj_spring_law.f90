@@ -4,13 +4,15 @@
 !> Source: docs/springs.md.
 module kj_spring_law
    use kj_kinds, only: wp
+   use kj_sensor, only: is_on
    use kj_curve, only: curve_set_t, law_value, steepest_rise
    use kj_joint_types, only: NDOF
    use kj_block, only: BLOCK
    implicit none
    private
 
-   public :: direction_t, spring_t, spring_block_t, base_force, rate_factor, damping_force, failure
+   public :: direction_t, spring_t, spring_block_t, base_force, rate_factor, damping_force, &
+      rate_force, failure, switch_spring, stiffness_bound, damping_bound
 
    !> Hardening rules, H on the card
    integer, parameter, public :: ELASTIC = 0, ISOTROPIC = 1, UNCOUPLED = 2, KINEMATIC = 4, &
@@ -67,7 +69,7 @@ module kj_spring_law
       real(wp) :: base(BLOCK, 6) = 0.0_wp        !! base force, before factor and damper
       real(wp) :: hi(BLOCK, 6) = 0.0_wp, lo(BLOCK, 6) = 0.0_wp   !! memory of the rules
       real(wp) :: energy(BLOCK, 6) = 0.0_wp      !! work of each direction
-      real(wp) :: zero(BLOCK, 3) = 0.0_wp        !! offset of node 2 where q is 0, J
+      real(wp) :: zero(BLOCK, 6) = 0.0_wp        !! displacement where q is 0
       real(wp) :: alive(BLOCK) = ALIVE
       real(wp) :: damage(BLOCK) = 0.0_wp         !! criterion of failure, smoothed
       real(wp) :: step(BLOCK) = 0.0_wp           !! step of the element alone
@@ -264,6 +266,90 @@ contains
       force = law%c*rate
       if (law%damper > 0) force = force + law%h*value_of(curves, law%damper, law%f*rate)
    end function damping_force
+
+   !> What depends on the rate, beside A times the base force, and its slope where positive
+   pure subroutine rate_force(law, curves, base, rate, force, slope)
+      type(direction_t), intent(in) :: law
+      type(curve_set_t), intent(in) :: curves
+      real(wp), intent(in) :: base, rate
+      real(wp), intent(out) :: force, slope
+
+      real(wp) :: y, dy
+
+      force = law%c*rate
+      slope = law%c
+      if (law%damper > 0) then
+         call law_value(curves, law%damper, law%f*rate, y, dy)
+         force = force + law%h*y
+         slope = slope + law%h*law%f*dy
+      end if
+      if (law%rate > 0) then
+         call law_value(curves, law%rate, law%f*rate, y, dy)
+         force = force + base*law%e*y
+         slope = slope + base*law%e*law%f*dy
+      end if
+      if (abs(law%b) > 0.0_wp .and. abs(rate) > abs(law%d)) then
+         force = force + base*law%b*log(abs(rate/law%d))
+         slope = slope + base*law%b/rate
+      end if
+      slope = max(0.0_wp, slope)
+   end subroutine rate_force
+
+   !> Largest stiffness of a direction, for a safe step: of loading, unloading and both functions,
+   !> at the largest rate factor that its function of the rate has
+   pure real(wp) function stiffness_bound(law, curves) result(k)
+      type(direction_t), intent(in) :: law
+      type(curve_set_t), intent(in) :: curves
+
+      real(wp) :: factor
+
+      k = max(0.0_wp, law%k)
+      if (law%load == 0) return
+      k = max(law%k_unload, 0.0_wp)
+      if (law%unload > 0) k = max(k, steepest_rise(curves, law%unload)/ &
+         merge(1.0_wp, law%x_scale, law%rule == ISOTROPIC_CURVES))
+      factor = abs(law%a)
+      if (law%rate > 0) factor = factor + abs(law%e)*maxval(abs( &
+         curves%y(curves%first(law%rate):curves%first(law%rate + 1) - 1)))
+      k = k*factor
+   end function stiffness_bound
+
+   !> Largest damping of a direction without what scales the base force
+   pure elemental real(wp) function damping_bound(law) result(c)
+      type(direction_t), intent(in) :: law
+
+      c = max(0.0_wp, law%c_step)
+   end function damping_bound
+
+   !> What its sensor makes of a spring.
+   !>
+   !> Isflag 0: it waits until the sensor is on. 1: it acts until then. 2: it waits, begins without
+   !> force where it was a step before, and ends with the sensor.
+   pure subroutine switch_spring(may_wait, spring, time, h, q, lane, state)
+      logical, intent(in) :: may_wait            !! after its end (TYPE4), else it is dead
+      type(spring_t), intent(in) :: spring
+      real(wp), intent(in) :: time, h            !! now, and the step before
+      real(wp), intent(inout) :: q(NDOF)         !! displacements a step before
+      integer, intent(in) :: lane                !! of the block
+      type(spring_block_t), intent(inout) :: state
+
+      logical :: on
+
+      if (.not. spring%sensed) return
+      on = time > spring%t_on .and. is_on(time, h, spring%t_on, spring%t_off)
+      associate (alive_now => state%alive(lane))
+         if (spring%flag == 1) then
+            if (on) alive_now = DEAD
+         else if (on .and. alive_now <= WAITING) then
+            alive_now = ALIVE
+            if (spring%flag /= 2) return
+            state%zero(lane, :) = state%zero(lane, :) + q
+            q = 0.0_wp
+         else if (spring%flag == 2 .and. .not. on .and. alive_now >= ALIVE) then
+            alive_now = merge(WAITING, DEAD, may_wait)
+         end if
+      end associate
+   end subroutine switch_spring
 
    !> The criterion of failure, 1 or more where the spring fails, smoothed over steps
    pure subroutine failure(spring, q, rate, force, energy, h, damage)

@@ -4,13 +4,12 @@
 module kj_legacy_spring
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
-   use kj_sensor, only: is_on
    use kj_curve, only: curve_set_t
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: joint_batch_t, SPRING4, SPRING8, SPRING13
    use kj_block, only: block_of, lane_of
    use kj_spring_law, only: spring_t, spring_block_t, base_force, rate_factor, damping_force, &
-      failure, WAITING, DEAD, ALIVE
+      failure, switch_spring, DEAD, ALIVE
    use kj_lead_map, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN1, W_KN2, W_KR1, W_KR2
    use kj_legacy_joint, only: legacy_joint_t
    use kj_legacy_force, only: world_t
@@ -54,12 +53,13 @@ contains
          at = block_of(i)
          lane = lane_of(i)
          associate (s => joint%block(at), state => joint%spring(at), spring => batch%spring(i))
-            call switch(batch%kind, spring, world%time, h, s%q(lane, :), lane, state)
+            call switch_spring(batch%kind == SPRING4, spring, world%time, h, s%q(lane, :), lane, &
+               state)
             m%q = s%q(lane, :)
             m%e = reshape(s%e(lane, :), [3, 3])
             call move(batch, world, v, h, i, m)
             if (h <= 0.0_wp .and. world%time <= 0.0_wp) call set_zero(batch%kind, m, lane, state)
-            call take_displacements(batch, spring, m, s%q(lane, :), state%zero(lane, :))
+            call take_displacements(batch, spring, m, s%q(lane, :), state%zero(lane, 1:3))
             call find_forces(batch%kind, spring, curves, h, m, lane, state)
             s%energy(lane) = s%energy(lane) + 0.5_wp*sum(m%dq*(m%f + s%f(lane, :)))
             state%energy(lane, :) = state%energy(lane, :) + 0.5_wp*m%dq*(m%f + s%f(lane, :))
@@ -155,8 +155,8 @@ contains
       type(motion_t), intent(in) :: m
       type(spring_block_t), intent(inout) :: state
 
-      state%zero(lane, :) = [m%length, 0.0_wp, 0.0_wp]
-      if (kind == SPRING8) state%zero(lane, :) = matmul(m%r, m%e)
+      state%zero(lane, 1) = m%length
+      if (kind == SPRING8) state%zero(lane, 1:3) = matmul(m%r, m%e)
    end subroutine set_zero
 
    !> Displacements that follow from the places of the nodes, and the change of all
@@ -173,35 +173,6 @@ contains
       end if
       m%dq = m%q - last
    end subroutine take_displacements
-
-   !> What its sensor makes of a spring.
-   !>
-   !> Isflag 0: it waits until the sensor is on. 1: it acts until then. 2: it waits, begins without
-   !> force where it was a cycle before, and ends with the sensor.
-   pure subroutine switch(kind, spring, time, h, q, lane, state)
-      integer, intent(in) :: kind, lane
-      type(spring_t), intent(in) :: spring
-      real(wp), intent(in) :: time, h
-      real(wp), intent(inout) :: q(NDOF)         !! of the last cycle
-      type(spring_block_t), intent(inout) :: state
-
-      logical :: on
-
-      if (.not. spring%sensed) return
-      on = time > spring%t_on .and. is_on(time, h, spring%t_on, spring%t_off)
-      associate (alive_now => state%alive(lane))
-         if (spring%flag == 1) then
-            if (on) alive_now = DEAD
-         else if (on .and. alive_now <= WAITING) then
-            alive_now = ALIVE
-            if (spring%flag /= 2) return
-            state%zero(lane, :) = state%zero(lane, :) + q(1:3)
-            q = 0.0_wp
-         else if (spring%flag == 2 .and. .not. on .and. alive_now >= ALIVE) then
-            alive_now = merge(WAITING, DEAD, kind == SPRING4)
-         end if
-      end associate
-   end subroutine switch
 
    !> Forces of the laws; 0 while the spring is not alive, though its memory goes on
    pure subroutine find_forces(kind, spring, curves, h, m, lane, state)

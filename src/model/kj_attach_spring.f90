@@ -6,7 +6,9 @@ module kj_attach_spring
    use kj_sort, only: find
    use kj_curve, only: curve_set_t, steepest_rise
    use kj_joint_types, only: NDOF, FRAME_FIRST, FRAME_SECOND, FRAME_FIXED, FRAME_APART
-   use kj_joint_batch, only: SPRING8, LAW_SPRING, LAW_DAMPER, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
+   use kj_joint_batch, only: SPRING8, LAW_SPRING, LAW_DAMPER, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, &
+      LAW_HARDENED
+   use kj_spring_law, only: direction_t
    use kj_deck_text, only: deck_t
    use kj_cards, only: report_row
    use kj_draft, only: draft_t, known_ids, property_t, joint_t
@@ -137,10 +139,18 @@ contains
          else if (abs(c) > 0.0_wp) then
             spring%law(dof) = spring%law(dof) + LAW_DAMPER
          end if
+         if (p%spring%hardened) spring%law(dof) = merge(LAW_HARDENED, 0, acts(p%spring%dof(dof)))
          spring%top(s) = max(spring%top(s), k)
          spring%top(s + 2) = max(spring%top(s + 2), c)
       end do
    end subroutine put_laws
+
+   !> A direction has any force
+   pure logical function acts(law)
+      type(direction_t), intent(in) :: law
+
+      acts = law%load > 0 .or. law%damper > 0 .or. abs(law%k) > 0.0_wp .or. abs(law%c) > 0.0_wp
+   end function acts
 
    !> Mass and inertia that the nodal time step of damped springs counts on: the smaller one of the
    !> two ends, shared among all elements there

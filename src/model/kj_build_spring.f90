@@ -97,9 +97,6 @@ contains
             call read_law(draft, cards, dof, '_'//DOF_NAME(dof), p)
          end do
          spring%hardened = spring%hardened .or. spring%sensed .or. spring%per_length
-         if (spring%hardened .and. .not. draft%legacy) call report(draft%deck, cards, 'Mass', &
-            SEV_ERROR, 'KJ-9222', 'springs with hardening, rates, failure or a sensor run '// &
-            'under the legacy formulation only', 'expected: an elastic spring', hint='run --legacy')
       end associate
    end subroutine read_spring
 
