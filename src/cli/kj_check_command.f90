@@ -4,7 +4,7 @@ module kj_check_command
    use kj_error, only: error_t, finding_list_t, add_finding, str
    use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST, FRAME_SECOND, FRAME_FIXED, &
       FRAME_APART, FRAME_LINE
-   use kj_joint_batch, only: KJOINT2, SPRING4, SPRING8
+   use kj_joint_batch, only: KJOINT2, SPRING4, SPRING8, SPRING13
    use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_terminal, only: print_line, may_colour, STDERR
    use kj_render, only: print_findings, print_failure
@@ -169,6 +169,7 @@ contains
       if (report%kind(j) == KJOINT2) text = trim(text)//'2'
       if (report%kind(j) == SPRING4) text = 'spring, type 4'
       if (report%kind(j) == SPRING8) text = 'spring, type 8'
+      if (report%kind(j) == SPRING13) text = 'spring type 13'
    end function type_text
 
    pure function body_text(body) result(text)

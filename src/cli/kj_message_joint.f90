@@ -22,6 +22,8 @@ module kj_message_joint
       'Give K a positive value.'), &
    message_t('KJ-0231', SEV_ERROR, 'the hardening rule needs functions', 'H = 4, 5 or 8 works on functions that are not given.', &
       'Give the functions, or choose H = 0.'), &
+   message_t('KJ-0325', SEV_ERROR, 'a spring like a beam has no length', &
+      'Both of its nodes are at one place, so that it has no axis.', 'Put them apart.'), &
    message_t('KJ-0386', SEV_ERROR, 'the joint has no first skew', &
       'A /PROP/KJOINT needs a moving skew of body 1 in columns 1 to 10 of its second card.', &
       'Name a /SKEW/MOV whose nodes belong to body 1.'), &
@@ -49,6 +51,8 @@ module kj_message_joint
    message_t('KJ-0409', SEV_ERROR, 'there is no such joint type', 'The type of a /PROP/KJOINT has no such number.', &
       '`kjoint list joints` shows the types and their numbers.'), &
    message_t('KJ-0444', SEV_WARNING, 'the mass of a spring is zero', 'The mass was set to 1e-20.', 'Give the spring a mass.'), &
+   message_t('KJ-0444', SEV_WARNING, 'the mass of a spring is zero', 'The mass was set to 1e-20.', &
+      'Give a small mass.'), &
    message_t('KJ-0445', SEV_WARNING, 'the inertia of a spring is zero', 'The inertia was set to 1e-20.', &
       'Give the spring an inertia.'), &
    message_t('KJ-0663', SEV_WARNING, 'a scale without its function', 'A spring has A without the function fct1; A was set to 1.', &
@@ -208,8 +212,6 @@ module kj_message_joint
       'Give one of them.'), &
    message_t('KJ-9221', SEV_ERROR, 'a hardening rule that does not exist', &
       'H is 0, 1, 2, 4, 5, 6 or 7; a spring of type 4 has 8, too.', 'Give one of them.'), &
-   message_t('KJ-9222', SEV_ERROR, 'a spring that only the legacy formulation has', &
-      'Hardening, rates, failure, sensors and laws per unit of length.', 'Run with --legacy.'), &
    message_t('KJ-9225', SEV_WARNING, 'an option of a spring has no effect', &
       'The value acts only together with another one that is not there.', &
       'Remove it, or give the other one.'), &

@@ -7,7 +7,7 @@ module kj_consistent_build
    use kj_lead_map, only: N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
    use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
-   use kj_joint_batch, only: joint_batch_t, is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, &
+   use kj_joint_batch, only: joint_batch_t, is_spring, SPRING13, LAW_DAMPER, LAW_DAMPER_CURVE, &
       LAW_SPRING_CURVE, LAW_HARDENED, geometry_t
    use kj_model, only: load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
@@ -181,7 +181,8 @@ contains
 
       associate (batch => model%batch(b))
          g%chart = chart_of(batch)
-         g%mean = batch%frame /= FRAME_FIRST .and. .not. is_spring(batch)
+         g%mean = batch%frame /= FRAME_FIRST .and. &
+            (batch%kind == SPRING13 .or. .not. is_spring(batch))
          g%damped = batch%limited .or. any(iand(batch%law, &
             LAW_DAMPER + LAW_DAMPER_CURVE + LAW_HARDENED) /= 0)
          g%shifted = any(abs(batch%angle0) > 0.0_wp)

@@ -4,8 +4,8 @@ module kj_consistent_compliant_build
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, LAW_SPRING, LAW_SPRING_CURVE, &
-      LAW_HARDENED
+   use kj_joint_batch, only: is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, LAW_SPRING, &
+      LAW_SPRING_CURVE, LAW_HARDENED
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_compliant_types, only: compliant_t, leads_then_t
    use kj_consistent_compliant_pattern, only: new_pattern

@@ -5,7 +5,8 @@ module kj_consistent_springs
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF, FRAME_FIXED, CHART_TWIST, CHART_VECTOR, CHART_UNIVERSAL
-   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, is_hardened, joint_batch_t
+   use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, is_hardened, SPRING13, &
+      joint_batch_t
    use kj_block, only: BLOCK, turn_arm
    use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, matrix_t, sprung_dofs, &
       damped_dofs
@@ -173,7 +174,7 @@ contains
          q(:n, k) = last(:n, k)
       end do
       call see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
-      if (is_spring(batch)) then
+      if (is_spring(batch) .and. batch%kind /= SPRING13) then
          e(:n, :) = batch%frame0(from:from + n - 1, :)
          call spring_axes(n, batch%frame, e, t1, t2, r, b%force, b%couple)
       else if (.not. batch%geometry%mean) then

@@ -185,6 +185,58 @@ module kj_card_fields
    field_t(KW_SPRING8, EACH, 4,  DOFS, 61,  80, 'Hscale',    'r', D_FORCE,     0, 'scale of fct4'), &
    field_t(KW_SPRING8, EACH, 20, ONCE,  1,  10, 'Fsmooth',   'i', D_NUMBER,    0, '1: failure is smoothed'), &
    field_t(KW_SPRING8, EACH, 20, ONCE, 11,  30, 'Fcut',      'r', D_NUMBER,    0, 'cutting frequency of that'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,   1,  20, 'Mass', 'r', D_MASS, 0, 'mass, half to each node'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,  21,  40, 'Inertia', 'r', D_INERTIA, 0, 'inertia, half to each node'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,  41,  50, 'skew_id', 'i', D_NUMBER, 0, 'its y axis, without a third node'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,  51,  60, 'sens_id', 'i', D_NUMBER, 0, 'sensor that switches the spring'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,  61,  70, 'Isflag', 'i', D_NUMBER, 0, 'how the sensor acts'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,  71,  80, 'Ifail', 'i', D_NUMBER, 0, 'failure rule'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,  81,  90, 'Ileng', 'i', D_NUMBER, 0, '1: per unit of length'), &
+   field_t(KW_SPRING13, EACH, 1, ONCE,  91, 100, 'Ifail2', 'i', D_NUMBER, 0, 'failure criterion'), &
+   field_t(KW_SPRING13,EACH, 2,  DOFS,  1,  20, 'K',         'r', D_STIFFNESS, 0, 'stiffness'), &
+   field_t(KW_SPRING13,EACH, 2,  DOFS, 21,  40, 'C',         'r', D_DAMPING,   0, 'damping'), &
+   field_t(KW_SPRING13,EACH, 2,  DOFS, 41,  60, 'A',         'r', D_FORCE,     0, 'scale of fct1'), &
+   field_t(KW_SPRING13,EACH, 2,  DOFS, 61,  80, 'B',         'r', D_FORCE,     0, 'scale of the logarithm of the rate'), &
+   field_t(KW_SPRING13,EACH, 2,  DOFS, 81, 100, 'D',         'r', D_VELOCITY,  0, 'reference rate of the logarithm'), &
+   field_t(KW_SPRING13,EACH, 3,  DOFS,  1,  10, 'fct1',      'i', D_NUMBER,    0, 'function of force'), &
+   field_t(KW_SPRING13,EACH, 3,  DOFS, 11,  20, 'H',         'i', D_NUMBER,    0, 'hardening rule'), &
+   field_t(KW_SPRING13,EACH, 3,  DOFS, 21,  30, 'fct2',      'i', D_NUMBER,    0, 'function of the rate factor'), &
+   field_t(KW_SPRING13,EACH, 3,  DOFS, 31,  40, 'fct3',      'i', D_NUMBER,    0, 'function of unloading'), &
+   field_t(KW_SPRING13,EACH, 3,  DOFS, 41,  50, 'fct4',      'i', D_NUMBER,    0, 'function of damping'), &
+   field_t(KW_SPRING13,EACH, 3,  DOFS, 61,  80, 'delta_min', 'r', D_LENGTH,    0, 'negative failure limit'), &
+   field_t(KW_SPRING13,EACH, 3,  DOFS, 81, 100, 'delta_max', 'r', D_LENGTH,    0, 'positive failure limit'), &
+   field_t(KW_SPRING13,EACH, 4,  DOFS,  1,  20, 'F',         'r', D_VELOCITY,  0, 'scale of the abscissa of fct2 and fct4'), &
+   field_t(KW_SPRING13,EACH, 4,  DOFS, 21,  40, 'E',         'r', D_FORCE,     0, 'scale of fct2'), &
+   field_t(KW_SPRING13,EACH, 4,  DOFS, 41,  60, 'Ascale',    'r', D_LENGTH,    0, 'scale of the abscissa of fct1'), &
+   field_t(KW_SPRING13,EACH, 4,  DOFS, 61,  80, 'Hscale',    'r', D_FORCE,     0, 'scale of fct4'), &
+   field_t(KW_SPRING13, EACH, 20, ONCE,   1,  20, 'V0', 'r', D_VELOCITY, 0, 'reference rate of failure'), &
+   field_t(KW_SPRING13, EACH, 20, ONCE,  21,  40, 'W0', 'r', D_ANGULAR_VELOCITY, 0, 'the same of rotations'), &
+   field_t(KW_SPRING13, EACH, 20, ONCE,  41,  60, 'Fcut', 'r', D_NUMBER, 0, 'cutting frequency of the criterion of failure'), &
+   field_t(KW_SPRING13, EACH, 20, ONCE,  61,  70, 'Fsmooth', 'i', D_NUMBER, 0, '1: failure is smoothed'), &
+   field_t(KW_SPRING13, EACH, 21, ONCE,   1,  20, 'c_tx', 'r', D_LENGTH, 0, 'limit of failure, for the rate'), &
+   field_t(KW_SPRING13, EACH, 21, ONCE,  21,  40, 'n_tx', 'r', D_NUMBER, 0, 'power of the rate'), &
+   field_t(KW_SPRING13, EACH, 21, ONCE,  41,  60, 'alpha_tx', 'r', D_NUMBER, 0, 'weight in the sum'), &
+   field_t(KW_SPRING13, EACH, 21, ONCE,  61,  80, 'beta_tx', 'r', D_NUMBER, 0, 'power in the sum'), &
+   field_t(KW_SPRING13, EACH, 22, ONCE,   1,  20, 'c_ty', 'r', D_LENGTH, 0, 'limit of failure, for the rate'), &
+   field_t(KW_SPRING13, EACH, 22, ONCE,  21,  40, 'n_ty', 'r', D_NUMBER, 0, 'power of the rate'), &
+   field_t(KW_SPRING13, EACH, 22, ONCE,  41,  60, 'alpha_ty', 'r', D_NUMBER, 0, 'weight in the sum'), &
+   field_t(KW_SPRING13, EACH, 22, ONCE,  61,  80, 'beta_ty', 'r', D_NUMBER, 0, 'power in the sum'), &
+   field_t(KW_SPRING13, EACH, 23, ONCE,   1,  20, 'c_tz', 'r', D_LENGTH, 0, 'limit of failure, for the rate'), &
+   field_t(KW_SPRING13, EACH, 23, ONCE,  21,  40, 'n_tz', 'r', D_NUMBER, 0, 'power of the rate'), &
+   field_t(KW_SPRING13, EACH, 23, ONCE,  41,  60, 'alpha_tz', 'r', D_NUMBER, 0, 'weight in the sum'), &
+   field_t(KW_SPRING13, EACH, 23, ONCE,  61,  80, 'beta_tz', 'r', D_NUMBER, 0, 'power in the sum'), &
+   field_t(KW_SPRING13, EACH, 24, ONCE,   1,  20, 'c_rx', 'r', D_NUMBER, 0, 'limit of failure, for the rate'), &
+   field_t(KW_SPRING13, EACH, 24, ONCE,  21,  40, 'n_rx', 'r', D_NUMBER, 0, 'power of the rate'), &
+   field_t(KW_SPRING13, EACH, 24, ONCE,  41,  60, 'alpha_rx', 'r', D_NUMBER, 0, 'weight in the sum'), &
+   field_t(KW_SPRING13, EACH, 24, ONCE,  61,  80, 'beta_rx', 'r', D_NUMBER, 0, 'power in the sum'), &
+   field_t(KW_SPRING13, EACH, 25, ONCE,   1,  20, 'c_ry', 'r', D_NUMBER, 0, 'limit of failure, for the rate'), &
+   field_t(KW_SPRING13, EACH, 25, ONCE,  21,  40, 'n_ry', 'r', D_NUMBER, 0, 'power of the rate'), &
+   field_t(KW_SPRING13, EACH, 25, ONCE,  41,  60, 'alpha_ry', 'r', D_NUMBER, 0, 'weight in the sum'), &
+   field_t(KW_SPRING13, EACH, 25, ONCE,  61,  80, 'beta_ry', 'r', D_NUMBER, 0, 'power in the sum'), &
+   field_t(KW_SPRING13, EACH, 26, ONCE,   1,  20, 'c_rz', 'r', D_NUMBER, 0, 'limit of failure, for the rate'), &
+   field_t(KW_SPRING13, EACH, 26, ONCE,  21,  40, 'n_rz', 'r', D_NUMBER, 0, 'power of the rate'), &
+   field_t(KW_SPRING13, EACH, 26, ONCE,  41,  60, 'alpha_rz', 'r', D_NUMBER, 0, 'weight in the sum'), &
+   field_t(KW_SPRING13, EACH, 26, ONCE,  61,  80, 'beta_rz', 'r', D_NUMBER, 0, 'power in the sum'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE,  1,  10, 'node_id',   'i', D_NUMBER,    0, 'main node, 0 = created'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE, 11,  20, 'sens_id',   'i', D_NUMBER,    0, 'sensor that activates the body'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE, 21,  30, 'skew_id',   'i', D_NUMBER,    0, 'axes of the inertia'), &
@@ -445,7 +497,7 @@ contains
 
    !> Directions whose cards (times = DOFS) stand in a block
    pure subroutine list_free_dofs(keyword, joint_type, n, dof)
-      integer, intent(in) :: keyword           !! KW_KJOINT2 or KW_SPRING8
+      integer, intent(in) :: keyword           !! KW_KJOINT2, or a spring of six laws
       integer, intent(in) :: joint_type        !! of KJOINT2; 0 directions when there is none
       integer, intent(out) :: n, dof(NDOF)     !! the first n are set: 1 tx, ..., 6 rz
 
@@ -455,7 +507,7 @@ contains
       dof = 0
       row = find_joint_type(joint_type)
       do i = 1, NDOF
-         if (keyword /= KW_SPRING8) then
+         if (keyword == KW_KJOINT2) then
             if (row == 0) return
             if (joint_types(row)%free(i) == 0) cycle
          end if

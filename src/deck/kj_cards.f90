@@ -8,7 +8,7 @@ module kj_cards
    use kj_kinds, only: wp
    use kj_error, only: SEV_WARNING
    use kj_units, only: dimensions
-   use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_SPRING8
+   use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_SPRING8, KW_SPRING13
    use kj_card_fields, only: EACH, ONCE, DOFS, ROWS, fields, list_free_dofs, rotational
    use kj_joint_types, only: DOF_NAME, NDOF, find_joint_type
    use kj_deck_text, only: deck_t, add_deck_finding, block_factors, header_end, report_line, &
@@ -93,7 +93,7 @@ contains
          joint_type = int_of(cards, 'type')
          if (keyword == KW_KJOINT) call read_variant(deck, factor, joint_type, cards, n_read)
          if (keyword /= KW_KJOINT) call read_variant(deck, factor, b%variant, cards, n_read)
-         if (keyword == KW_KJOINT2 .or. keyword == KW_SPRING8) then
+         if (any(keyword == [KW_KJOINT2, KW_SPRING8, KW_SPRING13])) then
             call list_free_dofs(keyword, joint_type, n_dof, dof)
             call read_dofs(deck, factor, n_dof, dof, cards, n_read)
             if (keyword == KW_KJOINT2 .and. find_joint_type(joint_type) == 0) return

@@ -5,6 +5,7 @@
 module kj_deck_flat
    use kj_error, only: SEV_ERROR
    use kj_keywords, only: keywords, KW_SUBMODEL, KW_PARAMETER, KW_UNIT, KW_KJOINT, KW_SPRING8, &
+      KW_SPRING13, &
       KW_GRSHEL, KW_GRSH3N, KW_GRBRIC, KW_GRBEAM, KW_GRTRUS, KW_GRSPRI, KW_GRPART, &
       KW_SURF, KW_LINE, HEAD_ID, HEAD_TYPE_ID
    use kj_card_fields, only: EACH, ONCE, ROWS, DOFS, IDS, TRIPLES, CLAUSES, fields
@@ -265,7 +266,7 @@ contains
                here = fields(i)%card == 1 .or. begins_with_number(text)
             case (DOFS)
                here = card >= 2 .and. fields(i)%card == on_dof .and. &
-                  (b%keyword /= KW_SPRING8 .or. card < 20)
+                  (all(b%keyword /= [KW_SPRING8, KW_SPRING13]) .or. card < 20)
             case (IDS:TRIPLES)
                if (fields(i)%card == 1 .or. begins_with_number(text)) then
                   call list_columns('', columns)

@@ -35,6 +35,8 @@ module kj_keywords
       keyword_t('/PROP/SPRING',     T, READ_IT, HI, 'spring, same as /PROP/TYPE4'), &
       keyword_t('/PROP/TYPE8',      T, READ_IT, HI, 'spring with six laws in the axes of a skew'), &
       keyword_t('/PROP/SPR_GENE',   T, READ_IT, HI, 'spring, same as /PROP/TYPE8'), &
+      keyword_t('/PROP/TYPE13',     T, READ_IT, HI, 'spring with six laws, like a beam'), &
+      keyword_t('/PROP/SPR_BEAM',   T, READ_IT, HI, 'spring, same as /PROP/TYPE13'), &
       keyword_t('/PROP',            T, OUT_OF_SCOPE, HI, 'elements of another kind than springs and joints'), &
       keyword_t('/MAT/VOID',        T, READ_IT, HI, 'material without stiffness'), &
       keyword_t('/MAT/LAW0',        T, READ_IT, HI, 'material without stiffness, same as /MAT/VOID'), &
@@ -169,13 +171,14 @@ module kj_keywords
    type(keyword_t), parameter, public :: keywords(*) = [main_keywords, other_keywords]
 
    !> Other names: the cards are those of the second
-   character(len=20), parameter :: SAME_AS(2, 6) = reshape([character(len=20) :: &
+   character(len=20), parameter :: SAME_AS(2, 7) = reshape([character(len=20) :: &
       '/PROP/KJOINT', '/PROP/TYPE33', &
       '/PROP/KJOINT2', '/PROP/TYPE45', &
       '/PROP/SPRING', '/PROP/TYPE4', &
       '/PROP/SPR_GENE', '/PROP/TYPE8', &
+      '/PROP/SPR_BEAM', '/PROP/TYPE13', &
       '/MAT/LAW0', '/MAT/VOID', &
-      '/RANDOM/GRNOD', '/RANDOM'], [2, 6])
+      '/RANDOM/GRNOD', '/RANDOM'], [2, 7])
 
    !> Keywords that the reader or the builder knows: their rows. Those that only have a status need
    !> none.
@@ -187,6 +190,7 @@ module kj_keywords
       KW_SPRING = findloc(NAME, '/SPRING', 1), KW_KJOINT = findloc(NAME, '/PROP/TYPE33', 1), &
       KW_KJOINT2 = findloc(NAME, '/PROP/TYPE45', 1), &
       KW_SPRING4 = findloc(NAME, '/PROP/TYPE4', 1), KW_SPRING8 = findloc(NAME, '/PROP/TYPE8', 1), &
+      KW_SPRING13 = findloc(NAME, '/PROP/TYPE13', 1), &
       KW_MAT_VOID = findloc(NAME, '/MAT/VOID', 1), KW_RBODY = findloc(NAME, '/RBODY', 1), &
       KW_GRNOD_NODE = findloc(NAME, '/GRNOD/NODE', 1), &
       KW_GRNOD_NODENS = findloc(NAME, '/GRNOD/NODENS', 1), &

@@ -35,8 +35,6 @@ module kj_other_keywords
       ! springs and joints of other kinds
       keyword_t('/PROP/TYPE12',     T, OUT_OF_SCOPE, HI, 'pulley springs'), &
       keyword_t('/PROP/SPR_PUL',    T, OUT_OF_SCOPE, HI, 'pulley springs'), &
-      keyword_t('/PROP/TYPE13',     T, OUT_OF_SCOPE, HI, 'beam springs: use /PROP/SPR_GENE'), &
-      keyword_t('/PROP/SPR_BEAM',   T, OUT_OF_SCOPE, HI, 'beam springs: use /PROP/SPR_GENE'), &
       keyword_t('/PROP/TYPE23',     T, OUT_OF_SCOPE, HI, 'springs with a material'), &
       keyword_t('/PROP/SPR_MAT',    T, OUT_OF_SCOPE, HI, 'springs with a material'), &
       keyword_t('/PROP/TYPE25',     T, OUT_OF_SCOPE, HI, 'axisymmetric springs'), &

@@ -7,8 +7,8 @@ module kj_joint_batch
    implicit none
    private
 
-   public :: joint_batch_t, limits_t, geometry_t, new_batch, new_limits, is_spring, is_hardened, has_friction, &
-      has_limits, blocking_stiffness
+   public :: joint_batch_t, limits_t, geometry_t, new_batch, new_limits, is_spring, &
+      is_hardened, has_friction, has_limits, blocking_stiffness
 
    !> Law signature of a dof, bits
    integer, parameter, public :: LAW_SPRING = 1        !! linear stiffness

@@ -1,7 +1,8 @@
 !> Laws of springs (/PROP/TYPE4, TYPE8, TYPE13): what a direction is made of, and its force. The
 !> legacy formulation calls them as they are; the consistent one where a spring has more than an
 !> elastic law.
-!> Source: docs/springs.md.
+!> Source: docs/theory/legacy.md 5.2.
+!> One file: the rules share their constants, memory and functions.
 module kj_spring_law
    use kj_kinds, only: wp
    use kj_sensor, only: is_on

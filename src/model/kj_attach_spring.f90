@@ -2,12 +2,12 @@
 module kj_attach_spring
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
-   use kj_math3, only: IDENTITY
+   use kj_math3, only: IDENTITY, cross, unit
    use kj_sort, only: find
    use kj_curve, only: curve_set_t, steepest_rise
    use kj_joint_types, only: NDOF, FRAME_FIRST, FRAME_SECOND, FRAME_FIXED, FRAME_APART
-   use kj_joint_batch, only: SPRING8, LAW_SPRING, LAW_DAMPER, LAW_SPRING_CURVE, LAW_DAMPER_CURVE, &
-      LAW_HARDENED
+   use kj_joint_batch, only: SPRING8, SPRING13, LAW_SPRING, LAW_DAMPER, LAW_SPRING_CURVE, &
+      LAW_DAMPER_CURVE, LAW_HARDENED
    use kj_spring_law, only: direction_t
    use kj_deck_text, only: deck_t
    use kj_cards, only: report_row
@@ -21,10 +21,11 @@ module kj_attach_spring
 contains
 
    !> Check one spring and find its axes and reference length; its nodes are there
-   subroutine attach_spring(draft, model, p, spring)
+   subroutine attach_spring(draft, model, p, third, spring)
       type(draft_t), intent(inout) :: draft
       type(model_t), intent(in) :: model
       type(property_t), intent(in) :: p
+      integer, intent(in) :: third               !! its third node, 0 = none
       type(joint_t), intent(inout) :: spring
 
       real(wp) :: r(3)
@@ -36,6 +37,8 @@ contains
          call choose_skew(draft, model, p, spring)
          spring%frame = reshape(draft%skews%axes(spring%skew(1), :), [3, 3])
          spring%xl0 = matmul(r, spring%frame)
+      else if (p%kind == SPRING13) then
+         call take_beam_axes(draft, model, p, r, third, spring)
       else
          spring%frame = IDENTITY
          spring%xl0 = [norm2(r), 0.0_wp, 0.0_wp]
@@ -44,6 +47,34 @@ contains
       spring%c = p%c
       call put_laws(draft%curves, p, spring)
    end subroutine attach_spring
+
+   !> Axes of a beam: x along it, y towards the third node, else along that of the skew, or the
+   !> next axis of it where that is along the beam
+   subroutine take_beam_axes(draft, model, p, r, third, spring)
+      type(draft_t), intent(inout) :: draft
+      type(model_t), intent(in) :: model
+      type(property_t), intent(in) :: p
+      real(wp), intent(in) :: r(3)
+      integer, intent(in) :: third
+      type(joint_t), intent(inout) :: spring
+
+      real(wp) :: y(3), axes(3, 3)
+
+      spring%xl0 = [norm2(r), 0.0_wp, 0.0_wp]
+      spring%frame = IDENTITY
+      if (.not. norm2(r) > 1.0e-15_wp) then
+         call report_row(draft%deck, spring%card, 'n2', SEV_ERROR, 'KJ-0325', &
+            'the nodes of the spring are at one place: it has no axis', 'same place as n1')
+         return
+      end if
+      axes = reshape(draft%skews%axes(p%skew(1), :), [3, 3])
+      y = axes(:, 2)
+      if (third > 0) y = model%x0(third, :) - model%x0(spring%node(1), :)
+      if (norm2(cross(unit(r), unit(y))) < 1.0e-10_wp) y = axes(:, 3)
+      spring%frame(:, 1) = unit(r)
+      spring%frame(:, 3) = unit(cross(spring%frame(:, 1), y))
+      spring%frame(:, 2) = cross(spring%frame(:, 3), spring%frame(:, 1))
+   end subroutine take_beam_axes
 
    !> Ends that are main nodes of bodies, or cannot move
    subroutine check_nodes(deck, model, spring)

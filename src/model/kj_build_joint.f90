@@ -5,7 +5,7 @@ module kj_build_joint
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: find
    use kj_joint_types, only: joint_types, NDOF
-   use kj_joint_batch, only: KJOINT, KJOINT2, SPRING4, SPRING8, LAW_SPRING, LAW_DAMPER, &
+   use kj_joint_batch, only: KJOINT, KJOINT2, LAW_SPRING, LAW_DAMPER, &
       LAW_SPRING_CURVE, LAW_DAMPER_CURVE, joint_batch_t, limits_t, new_batch, new_limits, is_spring
    use kj_spring_law, only: spring_t
    use kj_deck_text, only: title_of
@@ -88,7 +88,7 @@ contains
       type(property_t), intent(in) :: p
       type(joint_t), intent(inout) :: joint
 
-      integer :: given, raw(6)
+      integer :: given, third, raw(6)
       real(wp) :: r(3)
 
       call find_nodes(draft, joint%card, given, raw)
@@ -99,8 +99,10 @@ contains
             'both ends of the element are the same node', 'same as n1')
          return
       end if
-      if (p%kind == SPRING4 .or. p%kind == SPRING8) then
-         call attach_spring(draft, model, p, joint)
+      if (allocated(p%spring)) then
+         third = 0
+         if (given > 2) third = draft%new(raw(3))
+         call attach_spring(draft, model, p, third, joint)
          return
       end if
       call check_ends(draft, model, p%kind, raw(:2), joint%card)

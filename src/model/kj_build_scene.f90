@@ -6,7 +6,7 @@ module kj_build_scene
    use kj_sort, only: new_lookup, find, lookup_t
    use kj_keywords, only: KW_NODE, KW_ADMAS, KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_ANALY, &
       KW_RANDOM, KW_PART, KW_RBODY, KW_SPRING, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, &
-      KW_MAT_VOID, &
+      KW_SPRING13, KW_MAT_VOID, &
       keywords
    use kj_deck_text, only: deck_t, report_header, first_card, line_text
    use kj_card_cut, only: cut_t, cut_card
@@ -268,7 +268,8 @@ contains
       integer, allocatable :: materials(:)
       integer :: i, place
 
-      call find_blocks(draft%deck, [KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8], 'property', &
+      call find_blocks(draft%deck, [KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_SPRING8, KW_SPRING13], &
+         'property', &
          draft%property_block, draft%property)
       materials = blocks_of(draft%deck, KW_MAT_VOID)
       do i = 1, size(materials)   ! their card is optional and used for nothing, but is of numbers

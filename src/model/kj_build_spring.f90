@@ -1,5 +1,5 @@
-!> Cards -> properties of springs, /PROP/TYPE4 and /PROP/TYPE8, and their mass on the nodes.
-!> Source: docs/theory/deck.md 5.3 and 5.4.
+!> Cards -> properties of springs, /PROP/TYPE4, TYPE8 and TYPE13, and their mass on the nodes.
+!> Source: docs/theory/deck.md 5.3 to 5.5.
 !> One file: what a direction says is read once, for laws, step and failure alike.
 module kj_build_spring
    use kj_kinds, only: wp
@@ -8,11 +8,12 @@ module kj_build_spring
       D_ANGULAR_VELOCITY, D_ENERGY
    use kj_sort, only: find
    use kj_curve, only: add_curve, steepest_rise
-   use kj_joint_types, only: ROW_FREE, NDOF, DOF_NAME, FRAME_FIXED, FRAME_LINE
-   use kj_joint_batch, only: SPRING4, SPRING8
+   use kj_joint_types, only: ROW_FREE, NDOF, DOF_NAME, FRAME_FIXED, FRAME_LINE, &
+      FRAME_MEAN
+   use kj_joint_batch, only: SPRING4, SPRING8, SPRING13
    use kj_spring_law, only: direction_t, spring_t, ELASTIC, UNCOUPLED, KINEMATIC, NONLINEAR, &
       ISOTROPIC_CURVES, HYSTERETIC, TOTAL_LENGTH, BY_WAY, BY_FORCE, BY_ENERGY, NO_FAILURE
-   use kj_keywords, only: KW_SPRING4, KW_SPRING8
+   use kj_keywords, only: KW_SPRING4, KW_SPRING8, KW_SPRING13
    use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, is_given, report
    use kj_draft, only: draft_t, blocks_of, reference, property_t
@@ -33,7 +34,8 @@ contains
       integer, allocatable :: blocks(:)
       integer :: i
 
-      blocks = [blocks_of(draft%deck, KW_SPRING4), blocks_of(draft%deck, KW_SPRING8)]
+      blocks = [blocks_of(draft%deck, KW_SPRING4), blocks_of(draft%deck, KW_SPRING8), &
+         blocks_of(draft%deck, KW_SPRING13)]
       allocate (property(size(blocks)))
       do i = 1, size(blocks)
          call read_cards(draft%deck, blocks(i), cards)
@@ -68,11 +70,11 @@ contains
    end subroutine add_masses
 
    !> A spring along its line with one law, for the change of the length (type 4), or one with six
-   !> laws in the axes of a skew (type 8)
+   !> laws in the axes of a skew (type 8), or in those of a beam (type 13)
    subroutine read_spring(draft, cards, keyword, p)
       type(draft_t), intent(inout) :: draft
       type(cards_t), intent(in) :: cards
-      integer, intent(in) :: keyword             !! KW_SPRING4 or KW_SPRING8
+      integer, intent(in) :: keyword             !! KW_SPRING4, 8 or 13
       type(property_t), intent(out) :: p
 
       integer :: dof
@@ -89,7 +91,7 @@ contains
                'KJ-0229', 'the spring has no mass', 'expected: more than 1e-15')
             spring%per_length = int_of(cards, 'Ileng') == 1
          else
-            call read_six(draft, cards, p)
+            call read_six(draft, cards, keyword == KW_SPRING13, p)
          end if
          call read_sensor(draft, cards, spring)
          if (keyword == KW_SPRING4) call read_law(draft, cards, 1, '', p)
@@ -100,14 +102,15 @@ contains
       end associate
    end subroutine read_spring
 
-   !> What a spring of type 8 has beside its laws
-   subroutine read_six(draft, cards, p)
+   !> What a spring of type 8 or 13 has beside its laws
+   subroutine read_six(draft, cards, beam, p)
       type(draft_t), intent(inout) :: draft
       type(cards_t), intent(in) :: cards
+      logical, intent(in) :: beam                !! type 13
       type(property_t), intent(inout) :: p
 
-      p%kind = SPRING8
-      p%frame = FRAME_FIXED
+      p%kind = merge(SPRING13, SPRING8, beam)
+      p%frame = merge(FRAME_MEAN, FRAME_FIXED, beam)
       associate (spring => p%spring)
          if (spring%mass < 0.0_wp) call report(draft%deck, cards, 'Mass', SEV_ERROR, 'KJ-0229', &
             'the mass of the spring is negative', 'expected: 0 or more')
@@ -118,7 +121,11 @@ contains
             spring%inertia = 1.0e-20_wp
          end if
          p%skew(1) = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
-         spring%balanced = int_of(cards, 'Iequil') == 1
+         if (beam) then
+            call read_beam(draft%deck, cards, spring)
+         else
+            spring%balanced = int_of(cards, 'Iequil') == 1
+         end if
          spring%summed = int_of(cards, 'Ifail') == 1
          if (any(int_of(cards, 'Ifail2') == [BY_FORCE, BY_ENERGY])) &
             spring%criterion = int_of(cards, 'Ifail2')
@@ -127,6 +134,40 @@ contains
          if (abs(spring%cutoff) <= 0.0_wp) spring%cutoff = 1.0e30_wp
       end associate
    end subroutine read_six
+
+   !> What a spring of type 13 has beside that of a type 8: failure that depends on the rate
+   subroutine read_beam(deck, cards, spring)
+      type(deck_t), intent(inout) :: deck
+      type(cards_t), intent(in) :: cards
+      type(spring_t), intent(inout) :: spring
+
+      integer :: dof
+
+      if (spring%mass <= 1.0e-20_wp) then
+         call report(deck, cards, 'Mass', SEV_WARNING, 'KJ-0444', &
+            'the spring has no mass: 1e-20 is taken', 'expected: a small mass')
+         spring%mass = 1.0e-20_wp
+      end if
+      spring%per_length = int_of(cards, 'Ileng') == 1
+      spring%v0 = or_one('V0', 1.0_wp)
+      spring%w0 = or_one('W0', 1.0_wp)
+      do dof = 1, NDOF
+         associate (law => spring%dof(dof), suffix => '_'//DOF_NAME(dof))
+            law%speed = real_of(cards, 'c'//suffix)
+            law%power = or_one('n'//suffix, 1.0_wp)
+            law%weight = or_one('alpha'//suffix, 1.0_wp)
+            law%exponent = or_one('beta'//suffix, 2.0_wp)
+         end associate
+      end do
+   contains
+      pure real(wp) function or_one(name, default) result(value)
+         character(len=*), intent(in) :: name
+         real(wp), intent(in) :: default
+
+         value = real_of(cards, name)
+         if (abs(value) <= 0.0_wp) value = default
+      end function or_one
+   end subroutine read_beam
 
    !> The sensor that switches a spring, and how
    subroutine read_sensor(draft, cards, spring)
