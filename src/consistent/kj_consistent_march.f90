@@ -6,7 +6,7 @@ module kj_consistent_march
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_skew, only: axis_of
-   use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE, joint_batch_t
+   use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE, LAW_HARDENED, joint_batch_t
    use kj_joint_types, only: CHART_VECTOR
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_block, only: BLOCK, block_of, lane_of
