@@ -51,8 +51,6 @@ module kj_message_joint
    message_t('KJ-0409', SEV_ERROR, 'there is no such joint type', 'The type of a /PROP/KJOINT has no such number.', &
       '`kjoint list joints` shows the types and their numbers.'), &
    message_t('KJ-0444', SEV_WARNING, 'the mass of a spring is zero', 'The mass was set to 1e-20.', 'Give the spring a mass.'), &
-   message_t('KJ-0444', SEV_WARNING, 'the mass of a spring is zero', 'The mass was set to 1e-20.', &
-      'Give a small mass.'), &
    message_t('KJ-0445', SEV_WARNING, 'the inertia of a spring is zero', 'The inertia was set to 1e-20.', &
       'Give the spring an inertia.'), &
    message_t('KJ-0663', SEV_WARNING, 'a scale without its function', 'A spring has A without the function fct1; A was set to 1.', &

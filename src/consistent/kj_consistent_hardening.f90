@@ -3,7 +3,7 @@
 !>
 !> What depends on the rate is a damper: it is implicit, and its work is that of dampers. When a
 !> spring dies what it has stored is lost, and counts as dissipated.
-!> Source: docs/theory/joints.md 8.5.
+!> Source: docs/theory/joints.md 8.4.
 module kj_consistent_hardening
    use kj_kinds, only: wp
    use kj_curve, only: curve_set_t

@@ -22,7 +22,7 @@ module kj_cards
    public :: cards_t, read_cards, real_of, int_of, text_of, is_given, report, rows_t, card_row_t, &
       read_rows, row_of, report_row
 
-   integer, parameter, public :: MOST_FIELDS = 128   !! more than any keyword has
+   integer, parameter, public :: MOST_FIELDS = 160   !! more than any keyword has
 
    !> Values of one block, in the order of the cards
    type :: cards_t

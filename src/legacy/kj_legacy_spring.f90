@@ -120,12 +120,13 @@ contains
       real(wp), intent(in) :: v21(3), w1(3), w2(3), h
       type(motion_t), intent(inout) :: m
 
-      real(wp) :: mid(3, 3), e2(3), turn(3), length
+      real(wp) :: mid(3, 3), e2(3), turn(3), length, twist
 
       e2 = m%e(:, 2)
       length = norm2(m%r - 0.5_wp*h*v21)
-      mid = beam_axes(m%r - 0.5_wp*h*v21, e2, w1 + w2, 0.25_wp*h)
-      m%e = beam_axes(m%r, e2, w1 + w2, 0.5_wp*h)
+      twist = 0.5_wp*h*dot_product(w1 + w2, unit(m%r - 0.5_wp*h*v21))
+      mid = beam_axes(m%r - 0.5_wp*h*v21, e2, 0.5_wp*twist)
+      m%e = beam_axes(m%r, e2, twist)
       turn = 0.5_wp*h*matmul(w1 + w2, mid)
       turn(2) = turn(2) + 2.0_wp*atan(0.5_wp*h*dot_product(v21, mid(:, 3))/length)
       turn(3) = turn(3) - 2.0_wp*atan(0.5_wp*h*dot_product(v21, mid(:, 2))/length)
@@ -134,17 +135,16 @@ contains
       m%q(4:6) = m%q(4:6) + h*matmul(w2 - w1, mid)
    end subroutine move_beam
 
-   !> Axes with e1 along r: e2 made perpendicular to it, and turned about it by h w
-   pure function beam_axes(r, e2, w, h) result(e)
-      real(wp), intent(in) :: r(3), e2(3), w(3), h
+   !> Axes with e1 along r: e2 made perpendicular to it, and turned about it
+   pure function beam_axes(r, e2, angle) result(e)
+      real(wp), intent(in) :: r(3), e2(3), angle
       real(wp) :: e(3, 3)
 
-      real(wp) :: y(3), z(3), angle
+      real(wp) :: y(3), z(3)
 
       e(:, 1) = unit(r)
       z = unit(cross(e(:, 1), e2))
       y = cross(z, e(:, 1))
-      angle = h*dot_product(w, e(:, 1))
       e(:, 2) = cos(angle)*y + sin(angle)*z
       e(:, 3) = cross(e(:, 1), e(:, 2))
    end function beam_axes
