@@ -75,6 +75,8 @@ module kjoint
       real(wp) :: energy_error = 0.0_wp         !! fraction, of the last sample
       !> energies of the last sample
       real(wp) :: kinetic = 0.0_wp, internal = 0.0_wp, work = 0.0_wp
+      real(wp) :: kinetic_rot = 0.0_wp          !! of kinetic, that of turning
+      real(wp) :: mass = 0.0_wp                 !! of all
       integer :: n_joint = 0, n_body = 0, n_node = 0, n_spring = 0
       real(wp) :: joint_cycles = 0.0_wp         !! steps of all joints so far
       integer :: n_island = 0                   !! of a run by islands; 0: all on one step

@@ -311,6 +311,8 @@ contains
          status%owner_kind = OWNER_NAME(now%owner_kind)
          status%owner = now%owner
          status%kinetic = now%balance%kinetic_trans + now%balance%kinetic_rot
+         status%kinetic_rot = now%balance%kinetic_rot
+         status%mass = now%balance%mass
          status%internal = now%balance%internal
          status%work = now%work
          status%energy_error = now%energy_error

@@ -4,10 +4,11 @@ module kj_cli
    use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_version, only: KJOINT_VERSION
    use kj_info, only: describe_history
+   use kj_recover, only: recover_history
    use kj_new_command, only: new_command
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
-      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_EXTRACT, CMD_LIST, CMD_NEW, CMD_HELP, &
-      CMD_VERSION, OPT_JSON
+      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, &
+      CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, OPT_JSON
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -18,6 +19,7 @@ module kj_cli
    use kj_extract_command, only: extract_command
    use kj_diff_command, only: diff_command, convert_command
    use kj_export_command, only: export_command
+   use kj_watch_command, only: watch_command
    implicit none
    private
 
@@ -56,6 +58,11 @@ contains
             call export_command(args, error)
          case (CMD_INFO)
             call describe_history(args%operand(1)%s, args%given(OPT_JSON), text, error)
+            if (.not. allocated(error)) call print_text(text)
+         case (CMD_WATCH)
+            call watch_command(args, code, error)
+         case (CMD_RECOVER)
+            call recover_history(args%operand(1)%s, text, error)
             if (.not. allocated(error)) call print_text(text)
          case (CMD_LIST)
             call print_table(args%operand(1)%s, error)

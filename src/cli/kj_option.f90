@@ -17,8 +17,9 @@ module kj_option
       option_real, option_list, did_you_mean
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
-      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_INFO = 7, CMD_LIST = 8, CMD_NEW = 9, CMD_HELP = 10, &
-      CMD_VERSION = 11, CMD_EXTRACT = 12
+      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_INFO = 7, CMD_LIST = 8, CMD_WATCH = 9, &
+      CMD_RECOVER = 10, CMD_NEW = 11, CMD_HELP = 12, CMD_VERSION = 13, &
+      CMD_EXTRACT = 14
 
    integer, parameter :: MANY = huge(1)         !! operands
 
@@ -49,6 +50,10 @@ module kj_option
                 'what is in a history or T01: worst joints, channels, energies'), &
       command_t(CMD_LIST,    'list',      'joints|keywords|channels',           1, 1, &
                 'print a table: joint types, deck keywords or output channels'), &
+      command_t(CMD_WATCH,   'watch',     'RUN.h5 [CHANNEL ...]',               1, MANY, &
+                'follow a run until it ends, with curves of channels'), &
+      command_t(CMD_RECOVER, 'recover',   'RUN.h5',                             1, 1, &
+                'put right the history of a run that was killed'), &
       command_t(CMD_NEW,     'new',       '[KIND]',                             0, 1, &
                 'write a commented deck to begin with; alone: which there are'), &
       command_t(CMD_HELP,    'help',      '[COMMAND|/KEYWORD|KJ-nnnn]',         0, 1, &
@@ -63,7 +68,8 @@ module kj_option
       10, OPT_WINDOW = 11, OPT_METRICS = 12, OPT_JUNIT = 13, OPT_ERROR = 14, OPT_SCALES = 15, &
       OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18, OPT_STRICT = 19, OPT_TO = 20, &
       OPT_SEPARATOR = 21, OPT_DECIMAL = 22, OPT_TFILE = 23, OPT_CHANNELS = 24, &
-      OPT_CHECKPOINT = 25, OPT_CHECKPOINT_EVERY = 26, OPT_RESTART = 27, OPT_NEW_FILE = 28
+      OPT_CHECKPOINT = 25, OPT_CHECKPOINT_EVERY = 26, OPT_RESTART = 27, OPT_NEW_FILE = 28, &
+      OPT_LISTING = 29, OPT_LIVE = 30
 
    !> One option of one command or more
    type :: option_t
@@ -88,7 +94,7 @@ module kj_option
       option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study extract', &
                'errors and warnings only'), &
       option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check extract', &
-               'notes with their cards, a listing line every /PRINT cycles'), &
+               'notes with their cards, a line every /PRINT cycles instead of every 10 s'), &
       option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info convert list help extract', &
                'the answer as one JSON object on stdout'), &
       option_t(OPT_PROFILE,      '',   '--profile',           'NAME',   'diff', &
@@ -132,7 +138,11 @@ module kj_option
       option_t(OPT_RESTART,      '',   '--restart',           'FILE',   'run', &
                'go on from RUN.restart.h5, same bits; its history grows'), &
       option_t(OPT_NEW_FILE,     '',   '--new-file',          '',       'run', &
-               'with --restart: a history of its own, RUN.2.h5 or -o')]
+               'with --restart: a history of its own, RUN.2.h5 or -o'), &
+      option_t(OPT_LISTING,      '',   '--listing',           'FILE',   'run', &
+               'write a line every /PRINT cycles to a file, in the columns of Radioss'), &
+      option_t(OPT_LIVE,         '',   '--live',              '',       'run', &
+               'a history that programs can follow while it grows: h5py swmr=True')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)

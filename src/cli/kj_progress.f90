@@ -2,7 +2,9 @@
 !> a signal reaches the run.
 module kj_progress
    use kj_kinds, only: wp
-   use kj_error, only: str
+   use kj_error, only: error_t, fail, str, ERR_FILE
+   use kj_output, only: settle_output
+   use kj_text, only: text_t
    use kj_words, only: right
    use kj_system, only: wall_clock
    use kj_signal, only: caught_signal
@@ -11,12 +13,19 @@ module kj_progress
    implicit none
    private
 
-   public :: progress_t, start_progress, end_progress, status_now, limiter, percent, rate
+   public :: progress_t, start_progress, list_to_file, end_progress, status_now, limiter, &
+      percent, rate
 
    real(wp), parameter :: FIRST = 1.0_wp        !! [s] of wall clock before the first line
    real(wp), parameter :: PAUSE = 0.2_wp        !! [s] of wall clock between two lines
+   real(wp), parameter :: SELDOM = 10.0_wp      !! [s], where nobody looks on
 
-   integer, parameter, public :: SHOW_NOTHING = 0, SHOW_STATUS = 1, SHOW_LISTING = 2
+   character(len=*), parameter :: HEADER = '     CYCLE         TIME    TIME-STEP '// &
+      'ELEMENT                    ERROR     I-ENERGY   K-ENERGY T   K-ENERGY R     EXT-WORK'// &
+      '  MAS.ERR   TOTAL MASS  MASS ADDED'
+
+   integer, parameter, public :: SHOW_NOTHING = 0, SHOW_STATUS = 1, SHOW_LISTING = 2, &
+      SHOW_SELDOM = 3                            !! a listing line every SELDOM seconds
 
    !> Monitor of a run that reports to stderr
    type, extends(monitor_t) :: progress_t
@@ -24,6 +33,8 @@ module kj_progress
       real(wp) :: started = 0.0_wp              !! wall clock [s]
       real(wp) :: shown = 0.0_wp                !! wall clock of the last line
       integer :: listed = -1                    !! cycle of the last listing line, over print_every
+      integer :: unit = -1                      !! of the file of the listing, -1 = none
+      real(wp) :: kept = 0.0_wp                 !! wall clock when that was last flushed
       logical :: open = .false.                 !! a status line stands on the terminal
    contains
       procedure :: tick
@@ -43,6 +54,26 @@ contains
       self%open = .false.
    end subroutine start_progress
 
+   !> Write the listing to a file, too, a line every /PRINT cycles.
+   !> Errors: ERR_INPUT when that is an input or no regular file, ERR_FILE
+   subroutine list_to_file(self, path, inputs, error)
+      class(progress_t), intent(inout) :: self
+      character(len=*), intent(in) :: path
+      type(text_t), intent(in) :: inputs(:)     !! paths of the files that are read
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(len=:), allocatable :: place
+      integer :: status
+
+      call settle_output(path, inputs, place, error)
+      if (allocated(error)) return
+      open (newunit=self%unit, file=place, status='replace', action='write', iostat=status)
+      if (status == 0) write (self%unit, '(a)', iostat=status) HEADER
+      if (status == 0) return
+      self%unit = -1
+      call fail(error, ERR_FILE, 'cannot write the listing '//path)
+   end subroutine list_to_file
+
    !> Where a run is, in a line
    function status_now(self, status) result(text)
       class(progress_t), intent(in) :: self
@@ -56,8 +87,12 @@ contains
    subroutine end_progress(self)
       type(progress_t), intent(inout) :: self
 
+      integer :: ignored
+
       if (self%open) call print_status('')
       self%open = .false.
+      if (self%unit /= -1) close (self%unit, iostat=ignored)
+      self%unit = -1
    end subroutine end_progress
 
    !> Report where the run is; stop it after a signal
@@ -67,19 +102,32 @@ contains
       logical, intent(out) :: stop
 
       real(wp) :: now
+      integer :: passed
+      logical :: every                           !! /PRINT cycles were passed
 
       stop = caught_signal() /= 0
       if (stop) self%stop_code = 128 + caught_signal()
+      if (self%show == SHOW_NOTHING .and. self%unit == -1) return
+      now = wall_clock()
+      passed = status%cycle/max(1, status%print_every)
+      every = passed /= self%listed
+      if (every .and. self%unit /= -1) call keep(self, status, now)
       select case (self%show)
       case (SHOW_STATUS)
-         now = wall_clock()
-         if (now - self%shown < PAUSE) return
-         self%shown = now
-         call print_status(status_line(status, now - self%started))
-         self%open = .true.
-      case (SHOW_LISTING)
-         call list(self, status)
+         if (now - self%shown >= PAUSE) then
+            call print_status(status_line(status, now - self%started))
+            self%shown = now
+            self%open = .true.
+         end if
+      case (SHOW_LISTING, SHOW_SELDOM)
+         if (self%listed < 0) call print_error(HEADER)
+         if (self%show == SHOW_SELDOM) every = self%listed < 0 .or. now - self%shown >= SELDOM
+         if (every) then
+            call print_error(listing_line(status))
+            self%shown = now
+         end if
       end select
+      self%listed = passed
    end subroutine tick
 
    !> "42.3 %  t 0.212  dt 1.2E-05 (joint 900)  118k cycles/s  ETA 0:12  energy error 0.01 %"
@@ -101,24 +149,37 @@ contains
       text = text//'  energy '//percent(status%energy_error)
    end function status_line
 
-   !> A listing line when a multiple of print_every cycles was passed
-   subroutine list(self, status)
+   !> A line for the file of the listing, whose lines can be read soon
+   subroutine keep(self, status, now)
       class(progress_t), intent(inout) :: self
       type(run_status_t), intent(in) :: status
+      real(wp), intent(in) :: now
 
-      character(len=100) :: buffer
-      integer :: passed
+      integer :: ignored
 
-      passed = status%cycle/max(1, status%print_every)
-      if (passed == self%listed) return
-      if (self%listed < 0) call print_error( &
-         '     cycle         time    time step  internal en.   kinetic en.  ext. work'// &
-         '    error  limited by')
-      self%listed = passed
-      write (buffer, '(i10,2es13.5,2es14.5,es11.3)') status%cycle, status%time, &
-         status%time_step, status%internal, status%kinetic, status%work
-      call print_error(trim(buffer)//right(' '//percent(status%energy_error), 9)//limiter(status))
-   end subroutine list
+      write (self%unit, '(a)', iostat=ignored) listing_line(status)
+      if (now - self%kept < PAUSE) return
+      flush (self%unit)
+      self%kept = now
+   end subroutine keep
+
+   !> A line in the columns of Radioss; kjoint adds no mass
+   function listing_line(status) result(text)
+      type(run_status_t), intent(in) :: status
+      character(len=:), allocatable :: text
+
+      character(len=128) :: buffer
+      character(len=20) :: owner
+
+      owner = status%owner_kind
+      if (status%owner > 0) write (owner, '(a,i11)') status%owner_kind, status%owner
+      write (buffer, '(i10,2es13.5,1x,a20,a11)') status%cycle, status%time, status%time_step, &
+         owner, right(percent(status%energy_error), 11)
+      text = buffer(:68)
+      write (buffer, '(4es13.5,i9,es13.5,i12)') status%internal, &
+         status%kinetic - status%kinetic_rot, status%kinetic_rot, status%work, 0, status%mass, 0
+      text = text//trim(buffer)
+   end function listing_line
 
    !> "  (joint 900)": what limits the time step; empty when it is not known
    pure function limiter(status) result(text)

@@ -3,15 +3,16 @@ module kj_run_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, str, add_finding
    use kj_system, only: wall_clock
-   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_REPRODUCIBLE, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_REPRODUCIBLE, OPT_QUIET, &
+      OPT_VERBOSE, OPT_JSON, OPT_LISTING, OPT_LIVE
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
    use kj_terminal, only: print_line, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_trace_command, only: tracer_t, start_trace, end_trace
-   use kj_progress, only: start_progress, end_progress, limiter, percent, rate, SHOW_NOTHING, &
-      SHOW_STATUS, SHOW_LISTING
+   use kj_progress, only: start_progress, list_to_file, end_progress, limiter, percent, rate, &
+      SHOW_NOTHING, SHOW_STATUS, SHOW_LISTING, SHOW_SELDOM
    use kj_restart_file, only: restart_t
    use kj_keeper, only: start_keeper
    use kj_restart_command, only: continued_sink_t, find_restart, restart_from, continued_path
@@ -109,16 +110,21 @@ contains
       if (args%given(OPT_OUTPUT)) sink%path = args%value(OPT_OUTPUT)%s
       if (goes_on) call continued_path(args, restart, sink)
       sink%reproducible = args%given(OPT_REPRODUCIBLE)
+      sink%live = args%given(OPT_LIVE)
       sink%command_line = command_line
       sink%n_threads = threads
       outcome%history = sink%path
-      show = SHOW_LISTING
-      if (may_overwrite(STDERR) .and. .not. args%given(OPT_VERBOSE)) show = SHOW_STATUS
+      show = SHOW_SELDOM
+      if (may_overwrite(STDERR)) show = SHOW_STATUS
+      if (args%given(OPT_VERBOSE)) show = SHOW_LISTING
       if (args%given(OPT_QUIET)) show = SHOW_NOTHING
       started = wall_clock()
       call start_keeper(args, sim, args%operand(1)%s, engine, sink%path, tracer, error)
       if (allocated(error)) return
       call start_progress(tracer%progress_t, show)
+      if (args%given(OPT_LISTING)) call list_to_file(tracer%progress_t, &
+         args%value(OPT_LISTING)%s, args%operand(:args%n_operand), error)
+      if (allocated(error)) return
       call run_simulation(sim, sink, tracer, outcome%status, error)
       call end_progress(tracer%progress_t)
       call end_trace(tracer)

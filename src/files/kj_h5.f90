@@ -15,8 +15,8 @@ module kj_h5
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
       h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
       h5pset_attr_creation_order_f, h5pset_attr_phase_change_f, h5pset_link_phase_change_f, &
-      h5pset_obj_track_times_f, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, H5F_CLOSE_STRONG_F, &
-      H5F_LIBVER_EARLIEST_F, H5F_LIBVER_V18_F, H5P_FILE_CREATE_F, &
+      h5pset_obj_track_times_f, H5F_ACC_TRUNC_F, H5F_ACC_RDONLY_F, H5F_ACC_RDWR_F, &
+      H5F_CLOSE_STRONG_F, H5F_LIBVER_EARLIEST_F, H5F_LIBVER_V18_F, H5P_FILE_CREATE_F, &
       H5P_FILE_ACCESS_F, H5P_GROUP_CREATE_F, H5P_CRT_ORDER_TRACKED_F, H5P_CRT_ORDER_INDEXED_F, &
       H5S_SCALAR_F, H5T_STRING, H5T_CSET_UTF8_F, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, H5T_STD_I64LE, &
       H5T_STD_I32LE, H5T_STD_I8LE
@@ -119,21 +119,24 @@ contains
       call check(status, 'create the file '//name, error)
    end subroutine create
 
-   !> Open a file for reading only
-   subroutine open_file(path, file, error)
+   !> Open a file, for reading only unless asked otherwise
+   subroutine open_file(path, file, error, to_write)
       character(len=*), intent(in) :: path
       integer(hid_t), intent(out) :: file
       type(error_t), allocatable, intent(inout) :: error
+      logical, intent(in), optional :: to_write
 
       integer(hid_t) :: access
-      integer :: status, ignored
+      integer :: status, ignored, flags
 
       file = -1
       if (allocated(error)) return
       access = -1
       call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
       if (status >= 0) call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
-      if (status >= 0) call h5fopen_f(path, H5F_ACC_RDONLY_F, file, status, access)
+      flags = H5F_ACC_RDONLY_F
+      if (present(to_write)) flags = merge(H5F_ACC_RDWR_F, flags, to_write)
+      if (status >= 0) call h5fopen_f(path, flags, file, status, access)
       if (access > 0) call h5pclose_f(access, ignored)
       call check(status, 'open '//path//' as an HDF5 file', error)
    end subroutine open_file

@@ -91,6 +91,7 @@ void kj_super_live(unsigned char *super)
 {
    if (super[8] != 2) return;
    super[8] = 3;
+   super[11] = 0;                            /* not marked as open, so that other readers open it, too */
    kj_seal(super, 48);
 }
 

@@ -9,7 +9,8 @@ module kj_h5_store
    implicit none
    private
 
-   public :: begin_store, commit_rows, last_rows, finish_store, close_store
+   public :: begin_store, commit_rows, last_rows, finish_store, close_store, &
+      clear_marks
 
    interface
       type(c_ptr) function kj_store_begin(file, h5, n_series, series, time, run, live) bind(c)
@@ -40,6 +41,11 @@ module kj_h5_store
          import :: c_ptr
          type(c_ptr), value, intent(in) :: store
       end subroutine kj_store_last
+
+      integer(c_int) function kj_clear_marks(path) bind(c)
+         import :: c_int, c_char
+         character(kind=c_char), intent(in) :: path(*)
+      end function kj_clear_marks
 
       integer(c_int) function kj_store_close(store) bind(c)
          import :: c_int, c_ptr
@@ -110,5 +116,20 @@ contains
          call fail(error, ERR_FILE, 'cannot close the history')
       store = C_NULL_PTR
    end subroutine close_store
+
+   !> Take away the marks of a file that is open to be written, by which HDF5 refuses it
+   subroutine clear_marks(path, marked, error)
+      character(len=*), intent(in) :: path
+      logical, intent(out) :: marked             !! it had them
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(c_int) :: status
+
+      marked = .false.
+      if (allocated(error)) return
+      status = kj_clear_marks(path//c_null_char)
+      marked = status > 0
+      if (status < 0) call fail(error, ERR_FILE, 'cannot write '//path)
+   end subroutine clear_marks
 
 end module kj_h5_store

@@ -1,8 +1,10 @@
 !> Writing HDF5 datasets: over time, and of fixed shape (constants, labels and texts); dimension
 !> scales. The conventions are those of kj_h5.
 module kj_h5_write
-   use hdf5, only: hid_t, hsize_t, h5dcreate_f, h5screate_simple_f, h5sclose_f, h5pclose_f, &
-      h5pset_chunk_f, h5pset_fletcher32_f, h5pset_shuffle_f, h5pset_deflate_f, &
+   use hdf5, only: hid_t, hsize_t, h5dopen_f, h5dclose_f, h5dget_space_f, h5dset_extent_f, &
+      h5sget_simple_extent_ndims_f, h5sget_simple_extent_dims_f, h5dcreate_f, &
+      h5screate_simple_f, h5sclose_f, h5pclose_f, h5pset_chunk_f, h5pset_fletcher32_f, &
+      h5pset_shuffle_f, h5pset_deflate_f, &
       H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, &
       size_t, h5dwrite_f, h5tclose_f, h5pcreate_f, h5pset_buffer_f, H5P_DATASET_XFER_F, &
       H5T_NATIVE_DOUBLE, H5T_STD_U8LE
@@ -16,8 +18,8 @@ module kj_h5_write
    implicit none
    private
 
-   public :: create_series, make_scale, attach_scale, write_numbers, write_texts, write_text, &
-      write_bytes
+   public :: create_series, cut_series, make_scale, attach_scale, write_numbers, write_texts, &
+      write_text, write_bytes
 
    integer, parameter :: DEFLATE_LEVEL = 1
 
@@ -57,6 +59,36 @@ contains
       if (plist > 0) call h5pclose_f(plist, ignored)
       call check(status, 'create the dataset '//name, error)
    end subroutine create_series
+
+   !> Cut a dataset over time to n rows, if it has more
+   subroutine cut_series(file, path, n, error)
+      integer(hid_t), intent(in) :: file
+      character(len=*), intent(in) :: path
+      integer, intent(in) :: n
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: id, space
+      integer(hsize_t), allocatable :: now(:), most(:)
+      integer :: status, rank, ignored
+
+      if (allocated(error)) return
+      space = -1
+      call h5dopen_f(file, path, id, status)
+      if (status < 0) id = -1
+      if (status >= 0) call h5dget_space_f(id, space, status)
+      if (status >= 0) call h5sget_simple_extent_ndims_f(space, rank, status)
+      if (status >= 0) then
+         allocate (now(rank), most(rank))
+         call h5sget_simple_extent_dims_f(space, now, most, status)
+         if (now(rank) > n .and. status >= 0) then
+            now(rank) = n
+            call h5dset_extent_f(id, now, status)
+         end if
+      end if
+      if (space > 0) call h5sclose_f(space, ignored)
+      if (id > 0) call h5dclose_f(id, ignored)
+      call check(status, 'cut the dataset '//path, error)
+   end subroutine cut_series
 
    !> Make a dataset the scale of a dimension
    subroutine make_scale(id, name, error)

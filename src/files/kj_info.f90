@@ -251,6 +251,8 @@ contains
          if (.not. is_written(path)) made = 'RUNNING, but nothing writes it: the run was killed'
       end if
       call add_fact(text, 'status', made)
+      call find_part(path, .false., made)
+      if (made /= '') call add_fact(text, 'newer', 'a run that did not end left '//made)
       made = 'kjoint '//fact('version', names, values, 'of unknown version')
       made = joined(made, ', started ', fact('started', names, values, ''))
       made = joined(made, ', elapsed [s]: ', fact('elapsed_s', names, values, ''))

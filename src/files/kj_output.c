@@ -175,6 +175,30 @@ int kj_has_name(int file)
    return fstat(file, &s) == 0 && s.st_nlink > 0;
 }
 
+/* Copy a file to an open one, and close that. 0, or the number of the error */
+int kj_copy_file(const char *path, int file)
+{
+   size_t most = 1 << 20;
+   char *block = malloc(most);
+   int from = open(path, O_RDONLY | O_CLOEXEC), reason = from < 0 || !block ? errno : 0;
+
+   while (reason == 0) {
+      ssize_t n = read(from, block, most), at = 0;
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) reason = errno;
+      if (n <= 0) break;
+      while (reason == 0 && at < n) {
+         ssize_t done = write(file, block + at, (size_t)(n - at));
+         if (done < 0 && errno != EINTR) reason = errno;
+         if (done > 0) at += done;
+      }
+   }
+   if (from >= 0) close(from);
+   if (close(file) < 0 && reason == 0) reason = errno;
+   free(block);
+   return reason;
+}
+
 /* Write a text to an open file and close it. 0, or the number of the error */
 int kj_write_text(int file, size_t n, const char *text)
 {

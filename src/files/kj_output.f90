@@ -7,7 +7,8 @@ module kj_output
    implicit none
    private
 
-   public :: settle_output, open_part, name_part, has_name, find_part, is_written, write_output, why
+   public :: settle_output, open_part, copy_to, name_part, has_name, find_part, is_written, &
+      write_output, why
 
    integer, parameter :: OTHER = 2               !! neither nothing nor a regular file
    integer, parameter :: TAKEN = -2              !! kj_part_open
@@ -61,6 +62,12 @@ module kj_output
          import :: c_int
          integer(c_int), value, intent(in) :: file
       end function kj_has_name
+
+      integer(c_int) function kj_copy_file(path, file) bind(c)
+         import :: c_int, c_char
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int), value, intent(in) :: file
+      end function kj_copy_file
 
       integer(c_int) function kj_write_text(file, n, text) bind(c)
          import :: c_int, c_size_t, c_char
@@ -149,6 +156,19 @@ contains
       named = status == 0
       if (status < 0) call fail(error, ERR_FILE, 'cannot rename '//part//' to '//path)
    end subroutine name_part
+
+   !> Copy a file to open_part's, which is closed. Errors: ERR_FILE
+   subroutine copy_to(path, file, error)
+      character(len=*), intent(in) :: path
+      integer, intent(in) :: file                !! descriptor
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(c_int) :: reason
+
+      if (allocated(error)) return
+      reason = kj_copy_file(path//c_null_char, int(file, c_int))
+      if (reason /= 0) call fail(error, ERR_FILE, 'cannot copy '//path//': '//trim(why(reason)))
+   end subroutine copy_to
 
    !> Whether an open file still has a name, this one or another
    logical function has_name(file)

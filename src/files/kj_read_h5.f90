@@ -18,6 +18,7 @@ module kj_read_h5
    !> An open history file
    type :: h5_reader_t
       integer :: n_row = 0                                   !! rows that every variable has
+      integer :: most_row = 0                                !! that one of them has
       character(len=:), allocatable :: path
       type(history_t), private :: history                    !! what a row holds
       integer(hid_t), private :: file = -1
@@ -236,6 +237,7 @@ contains
       if (size(dims) == size(expected) + 1) then
          if (all(dims(:size(expected)) == expected)) then
             reader%n_row = min(reader%n_row, dims(size(dims)))
+            reader%most_row = max(reader%most_row, dims(size(dims)))
             return
          end if
       end if

@@ -12,8 +12,9 @@
    - The outcome of the run is prepared in that table as messages that are nothing yet.
 
    One write within one page of a file is whole or not there at all when a process is killed. */
-#define _XOPEN_SOURCE 700
+#define _GNU_SOURCE
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -550,5 +551,23 @@ int kj_store_close(kj_store *o)
    if (ftruncate(o->file, (off_t)o->end) < 0) status = -1;
    if (close(o->file) < 0) status = -1;
    kj_store_free(o);
+   return status;
+}
+
+/* Take away the marks of a file that HDF5 has open to be written (superblock of version 3). 1: it had
+   them; 0: none; negative: failed */
+int kj_clear_marks(const char *path)
+{
+   unsigned char super[48] = {0};
+   int file = open(path, O_RDWR | O_CLOEXEC), status = 0;
+
+   if (file < 0) return -1;
+   if (pread(file, super, sizeof super, 0) == sizeof super && !memcmp(super, "\x89HDF", 4) &&
+      super[8] == 3 && super[11] != 0) {
+      super[11] = 0;
+      kj_seal(super, sizeof super);
+      status = write_at(file, 0, sizeof super, super) < 0 ? -1 : 1;
+   }
+   close(file);
    return status;
 }

@@ -152,10 +152,17 @@ class Run(Program):
         self.assertGreater(said["cycles"], 9)
 
     def test_a_pipe_gets_a_listing_line_every_print_cycles(self):
+        """With -v; without, one at the start and every ten seconds, and as many in the file of --listing"""
         self.engine.write_text(self.engine.read_text().replace("/PRINT/-1000", "/PRINT/-100"))
-        done = self.kjoint("run", "--legacy", "REV01_0000.rad")
-        self.assertNotIn("\r", done.stderr)
-        self.assertGreaterEqual(len(re.findall(r"^ +\d+ +\d\.\d+E", done.stderr, re.M)), 1)
+        for words, least, most in ((["-v"], 5, 1000), ([], 1, 2), (["-q", "--listing", "list.txt"], 0, 0)):
+            done = self.kjoint("run", "--legacy", "REV01_0000.rad", "--until", "1", *words)
+            self.assertNotIn("\r", done.stderr)
+            lines = re.findall(r"^ +\d+ +\d\.\d+E.* (?:node|body|joint) +\d+ .* %.*", done.stderr, re.M)
+            self.assertTrue(least <= len(lines) <= most, done.stderr)
+            if words == ["-v"]:
+                listed = lines
+        self.assertEqual((self.folder / "list.txt").read_text().splitlines()[1:], listed)
+        self.kjoint("run", "--legacy", "REV01_0000.rad", "--listing", "REV01_0000.rad", code=2)
 
     def test_until_and_sample_stand_for_the_engine_deck(self):
         self.engine.unlink()
@@ -580,7 +587,7 @@ class Signals(Program):
 class Terminal(Program):
     LINE = rb"\r *\d+\.\d %  t [^\r]*ETA[^\r]*"
 
-    def on_a_terminal(self, pattern, count, **environment):
+    def on_a_terminal(self, pattern, count, *more, **environment):
         """What a run prints on a terminal until a pattern has come some times; then it is
         interrupted. Also the seconds it took."""
         started = time.monotonic()
@@ -588,7 +595,7 @@ class Terminal(Program):
         if pid == 0:
             os.chdir(self.folder)
             words = [KJOINT, "run", "--legacy", "REV01_0000.rad", "--until", "1e4",
-                     "--sample", "0.01"]
+                     "--sample", "0.01", *more]
             os.execve(KJOINT, words, {**os.environ, "TERM": "xterm", **environment})
         said, sent = b"", False
         while True:
@@ -612,7 +619,7 @@ class Terminal(Program):
         self.assertLessEqual(len(re.findall(self.LINE, said)), 1 + (seconds - 1.0)/0.2)
 
     def test_a_dumb_terminal_gets_listing_lines(self):
-        said, _ = self.on_a_terminal(rb"\n +[1-9]\d* +\d\.\d+E", 2, TERM="dumb")
+        said, _ = self.on_a_terminal(rb"\n +[1-9]\d* +\d\.\d+E", 2, "-v", TERM="dumb")
         self.assertNotIn(b"\x1b", said)
         self.assertNotRegex(said, rb"\r(?!\n)")
 

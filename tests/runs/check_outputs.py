@@ -18,7 +18,7 @@ import h5py
 WELL, RAN_AGAINST, INPUT, FILE = 0, 1, 2, 3
 
 
-class Outputs(unittest.TestCase):
+class Commands(unittest.TestCase):
     """Each test in a folder of its own, with a deck and a T01"""
 
     def setUp(self):
@@ -37,8 +37,10 @@ class Outputs(unittest.TestCase):
 
     def start(self, out, *more):
         """A run that takes far longer than a test, when its first row can be read"""
-        run = subprocess.Popen([KJOINT, "run", "s_0000.rad", "-q", "--until", "1e3", "-o", out, *more], cwd=self.folder,
-                               stderr=open(self.folder / "said", "w", encoding="utf-8"))
+        with open(self.folder / "said", "w", encoding="utf-8") as said:
+            run = subprocess.Popen([KJOINT, "run", "s_0000.rad", "-q", "--until", "1e3", "-o", out, *more],
+                                   cwd=self.folder, stderr=said)
+        self.addCleanup(run.wait)
         self.addCleanup(run.kill)
         while not (self.folder / out).exists() and run.poll() is None:
             time.sleep(0.05)
@@ -47,6 +49,10 @@ class Outputs(unittest.TestCase):
     def attributes(self, name):
         with h5py.File(self.folder / name) as file:
             return dict(file["run"].attrs), len(file["time"])
+
+
+class Outputs(Commands):
+    """What may be written, and by whom"""
 
     def test_inputs_stay(self):
         """By any spelling of the path, through links of both kinds"""
@@ -149,6 +155,92 @@ class Outputs(unittest.TestCase):
         self.assertEqual(facts["exit_code"], FILE)
 
 
+class Life(Commands):
+    """A run is watched, followed by h5py, killed and put right"""
+
+    def polled(self, swmr, *more):
+        """Rows that a reader saw, one look after the other, of a run that goes on"""
+        self.start("x.h5", *more)
+        seen = []
+        file = h5py.File(self.folder / "x.h5", "r", swmr=swmr)
+        time_, force = file["time"], file["joint/force"]
+        while len(seen) < 4:
+            if swmr:
+                time_.refresh()
+                force.refresh()
+            else:
+                file = h5py.File(self.folder / "x.h5")
+                time_, force = file["time"], file["joint/force"]
+            times = time_[:]
+            self.assertTrue((times[1:] > times[:-1]).all())
+            self.assertTrue(abs(force[:][1:len(times)]).max(axis=(1, 2)).all())       # whole rows
+            if not seen or len(times) > seen[-1]:
+                seen.append(len(times))
+            if not swmr:
+                file.close()
+            time.sleep(0.2)
+        file.close()
+        return seen
+
+    def test_readers_of_a_run(self):
+        self.polled(False)
+        self.assertIn("samples", self.do("info", "x.h5"))
+
+    def test_readers_that_follow_a_run(self):
+        """Opened once by SWMR; other readers open it, too"""
+        self.polled(True, "--live")
+        self.attributes("x.h5")
+
+    def test_watch_ends_with_the_run(self):
+        run = self.start("x.h5")
+        watch = subprocess.Popen([KJOINT, "watch", "x.h5", "joint/force[901].y"], cwd=self.folder, stdout=subprocess.PIPE,
+                                 text=True)
+        self.assertRegex(watch.stdout.readline(),
+                         "^RUNNING  .* samples  t .* dt .*kinetic .*gap .*joint 90.*force.*y .*[\u2581-\u2588]")
+        run.send_signal(signal.SIGINT)
+        self.assertIn("STOPPED BY USER", watch.stdout.read())
+        self.assertEqual(watch.wait(), WELL)
+        watch.stdout.close()
+        killed = self.start("y.h5")
+        killed.kill()
+        killed.wait()
+        self.assertIn("the run was killed", self.do("watch", "y.h5", code=RAN_AGAINST))
+        self.do("watch", "none.h5", code=FILE)
+
+    def test_recover(self):
+        """The outcome, lengths, rows that cannot be read, marks of an open file; a sound file stays as it is"""
+        self.do("convert", "a.T01", "-o", "sound.h5")
+        before = (self.folder / "sound.h5").read_bytes()
+        self.assertIn("sound.h5 is sound", self.do("recover", "sound.h5"))
+        self.assertEqual((self.folder / "sound.h5").read_bytes(), before)
+        run = self.start("x.h5", "--live")
+        self.assertIn("a run is writing", self.do("recover", "x.h5", code=FILE))
+        run.kill()
+        run.wait()
+        with h5py.File(self.folder / "x.h5") as file:
+            rows, last = len(file["time"]), file["time"][-1]
+        self.assertIn("the run did not end", self.do("recover", "x.h5"))
+        with h5py.File(self.folder / "x.h5") as file:
+            self.assertEqual((len(file["time"]), file["time"][-1]), (rows, last))
+            self.assertEqual(file["run"].attrs["exit_code"], 137)
+        self.assertIn("x.h5 is sound", self.do("recover", "x.h5"))
+        with h5py.File(self.folder / "x.h5", "a") as file:
+            file["joint/force"].resize(rows + 3, axis=0)
+        self.assertIn(f"have: {rows} of {rows + 3}", self.do("recover", "x.h5"))
+        self.do("info", "x.h5")
+        with h5py.File(self.folder / "x.h5") as file:
+            self.assertEqual(len(file["joint/force"]), rows)
+        self.do("run", "s_0000.rad", "-q", "--until", "0.02", "--sample", "1e-4", "-o", "z.h5")
+        with h5py.File(self.folder / "z.h5") as file:
+            place = file["joint/moment"].id.get_chunk_info(0).byte_offset
+            rows = len(file["time"])
+        with open(self.folder / "z.h5", "r+b") as file:
+            file.seek(place + 40)
+            file.write(bytes(200))
+        self.do("info", "z.h5", code=FILE)
+        self.do("recover", "z.h5", code=FILE)                # its first chunk: there is no row left
+
+
 if __name__ == "__main__":
     KJOINT, TESTS, WORK = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:])
