@@ -104,36 +104,81 @@ contains
       type(pattern_t), intent(in) :: pattern
       type(factor_t), intent(inout) :: factor
 
-      integer :: i, a, j, k
+      integer :: i, a
 
-      associate (x => factor%x)
-         do i = 1, pattern%n
-            do j = 1, 6
-               x(j, i) = x(j, i)*factor%diagonal(j, j, i)
-               do k = j + 1, 6
-                  x(k, i) = x(k, i) - factor%diagonal(k, j, i)*x(j, i)
-               end do
-            end do
-            do a = pattern%first(i), pattern%first(i + 1) - 1
-               do j = 1, 6
-                  x(:, pattern%row(a)) = x(:, pattern%row(a)) - factor%below(:, j, a)*x(j, i)
-               end do
-            end do
+      do i = 1, pattern%n
+         call forward(factor%diagonal(:, :, i), factor%x(:, i))
+         do a = pattern%first(i), pattern%first(i + 1) - 1
+            call take(factor%below(:, :, a), factor%x(:, i), factor%x(:, pattern%row(a)))
          end do
-         do i = pattern%n, 1, -1
-            do a = pattern%first(i), pattern%first(i + 1) - 1
-               do j = 1, 6
-                  x(j, i) = x(j, i) - dot_product(factor%below(:, j, a), x(:, pattern%row(a)))
-               end do
-            end do
-            do j = 6, 1, -1
-               do k = j + 1, 6
-                  x(j, i) = x(j, i) - factor%diagonal(k, j, i)*x(k, i)
-               end do
-               x(j, i) = x(j, i)*factor%diagonal(j, j, i)
-            end do
+      end do
+      do i = pattern%n, 1, -1
+         do a = pattern%first(i), pattern%first(i + 1) - 1
+            call take_turned(factor%below(:, :, a), factor%x(:, pattern%row(a)), factor%x(:, i))
          end do
-      end associate
+         call backward(factor%diagonal(:, :, i), factor%x(:, i))
+      end do
    end subroutine solve_bodies
+
+   !> x := l^-1 x
+   pure subroutine forward(l, x)
+      real(wp), intent(in) :: l(6, 6)
+      real(wp), intent(inout) :: x(6)
+
+      integer :: j, k
+
+      do j = 1, 6
+         x(j) = x(j)*l(j, j)
+         do k = j + 1, 6
+            x(k) = x(k) - l(k, j)*x(j)
+         end do
+      end do
+   end subroutine forward
+
+   !> x := l^-T x
+   pure subroutine backward(l, x)
+      real(wp), intent(in) :: l(6, 6)
+      real(wp), intent(inout) :: x(6)
+
+      integer :: j, k
+
+      do j = 6, 1, -1
+         do k = j + 1, 6
+            x(j) = x(j) - l(k, j)*x(k)
+         end do
+         x(j) = x(j)*l(j, j)
+      end do
+   end subroutine backward
+
+   !> y := y - b x
+   pure subroutine take(b, x, y)
+      real(wp), intent(in) :: b(6, 6), x(6)
+      real(wp), intent(inout) :: y(6)
+
+      integer :: j, k
+
+      do j = 1, 6
+         do k = 1, 6
+            y(k) = y(k) - b(k, j)*x(j)
+         end do
+      end do
+   end subroutine take
+
+   !> y := y - b^T x
+   pure subroutine take_turned(b, x, y)
+      real(wp), intent(in) :: b(6, 6), x(6)
+      real(wp), intent(inout) :: y(6)
+
+      real(wp) :: s
+      integer :: j, k
+
+      do j = 1, 6
+         s = 0.0_wp
+         do k = 1, 6
+            s = s + b(k, j)*x(k)
+         end do
+         y(j) = y(j) - s
+      end do
+   end subroutine take_turned
 
 end module kj_consistent_compliant_factor

@@ -117,38 +117,35 @@ contains
       type(compliant_t), intent(inout) :: self
 
       real(wp) :: d(6, 6, 2), l(6, 6)
-      integer :: at(2), e, j, k, c
+      integer :: at(2), e
 
-      at = self%pattern%column(lead)
-      do j = 1, 3
-         do k = 1, 3
-            c = 3*(j - 1) + k
-            d(k, j, 1) = a%ff(i, c)
-            d(k, j, 2) = a%ff(i, c)
-            d(k, j + 3, 1) = a%fc(i, c)
-            d(j + 3, k, 1) = a%fc(i, c)
-            d(k, j + 3, 2) = -a%fm(i, c)
-            d(j + 3, k, 2) = -a%fm(i, c)
-            d(k + 3, j + 3, 1) = a%cc(i, c) + a%tt(i, c)
-            d(k + 3, j + 3, 2) = a%mm(i, c) + a%tt(i, c)
-            l(k, j) = -a%ff(i, c)
-            l(k, j + 3) = -a%fc(i, c)
-            l(j + 3, k) = a%fm(i, c)
-            l(k + 3, j + 3) = a%mc(i, c) - a%tt(i, c)
-         end do
-      end do
+      at(1) = self%pattern%column(lead(1))
+      at(2) = self%pattern%column(lead(2))
+      d = 0.0_wp
+      l = 0.0_wp
+      if (all(at > 0) .and. at(1) /= at(2) .and. .not. (self%partly(lead(1)) .or. &
+         self%partly(lead(2)))) then
+         associate (f => self%factor, place => self%pattern%place(joint))
+            call add_end(i, a%ff, a%fc, 1.0_wp, a%cc, a%tt, f%diagonal(:, :, at(1)))
+            call add_end(i, a%ff, a%fm, -1.0_wp, a%mm, a%tt, f%diagonal(:, :, at(2)))
+            if (at(1) < at(2)) call add_both(i, a, f%below(:, :, place))
+            if (at(2) < at(1)) call add_both_turned(i, a, f%below(:, :, place))
+         end associate
+         return
+      end if
+      call add_end(i, a%ff, a%fc, 1.0_wp, a%cc, a%tt, d(:, :, 1))
+      call add_end(i, a%ff, a%fm, -1.0_wp, a%mm, a%tt, d(:, :, 2))
+      call add_both(i, a, l)
       do e = 1, 2
          if (at(e) == 0) cycle
+         d(1:3, 4:6, e) = transpose(d(4:6, 1:3, e))
          if (self%partly(lead(e))) then
             call hold(self%free(:, :, :, lead(e)), d(:, :, e))
             d(:, :, e) = transpose(d(:, :, e))
             call hold(self%free(:, :, :, lead(e)), d(:, :, e))
-            if (e == 2) call hold(self%free(:, :, :, lead(e)), l)
-            if (e == 1) then
-               l = transpose(l)
-               call hold(self%free(:, :, :, lead(e)), l)
-               l = transpose(l)
-            end if
+            if (e == 1) l = transpose(l)
+            call hold(self%free(:, :, :, lead(e)), l)
+            if (e == 1) l = transpose(l)
          end if
          self%factor%diagonal(:, :, at(e)) = self%factor%diagonal(:, :, at(e)) + d(:, :, e)
       end do
@@ -162,6 +159,59 @@ contains
          end associate
       end if
    end subroutine scatter
+
+   !> Add a diagonal block: all but its upper right part, which nothing reads
+   pure subroutine add_end(i, ff, fc, sign, cc, tt, d)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: ff(BLOCK, 9), fc(BLOCK, 9), cc(BLOCK, 9), tt(BLOCK, 9), sign
+      real(wp), intent(inout) :: d(6, 6)
+
+      integer :: j, k
+
+      do j = 1, 3
+         do k = 1, 3
+            d(k, j) = d(k, j) + ff(i, 3*j + k - 3)
+            d(k + 3, j) = d(k + 3, j) + sign*fc(i, 3*k + j - 3)
+            d(k + 3, j + 3) = d(k + 3, j + 3) + (cc(i, 3*j + k - 3) + tt(i, 3*j + k - 3))
+         end do
+      end do
+   end subroutine add_end
+
+   !> Add the block of rows of end 2 and columns of end 1
+   pure subroutine add_both(i, a, l)
+      integer, intent(in) :: i
+      type(coefficients_t), intent(in) :: a
+      real(wp), intent(inout) :: l(6, 6)
+
+      integer :: j, k
+
+      do j = 1, 3
+         do k = 1, 3
+            l(k, j) = l(k, j) - a%ff(i, 3*j + k - 3)
+            l(k + 3, j) = l(k + 3, j) + a%fm(i, 3*k + j - 3)
+            l(k, j + 3) = l(k, j + 3) - a%fc(i, 3*j + k - 3)
+            l(k + 3, j + 3) = l(k + 3, j + 3) + (a%mc(i, 3*j + k - 3) - a%tt(i, 3*j + k - 3))
+         end do
+      end do
+   end subroutine add_both
+
+   !> Add its transpose
+   pure subroutine add_both_turned(i, a, l)
+      integer, intent(in) :: i
+      type(coefficients_t), intent(in) :: a
+      real(wp), intent(inout) :: l(6, 6)
+
+      integer :: j, k
+
+      do j = 1, 3
+         do k = 1, 3
+            l(k, j) = l(k, j) - a%ff(i, 3*k + j - 3)
+            l(k, j + 3) = l(k, j + 3) + a%fm(i, 3*j + k - 3)
+            l(k + 3, j) = l(k + 3, j) - a%fc(i, 3*k + j - 3)
+            l(k + 3, j + 3) = l(k + 3, j + 3) + (a%mc(i, 3*k + j - 3) - a%tt(i, 3*k + j - 3))
+         end do
+      end do
+   end subroutine add_both_turned
 
    !> Rows of b along held directions become 0
    pure subroutine hold(p, b)

@@ -20,6 +20,9 @@ import numpy as np
 
 import compliant_scenes as scenes
 
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "runs"))
+import limit_scene as limits
+
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "kjoint"
 BENCHMARKS = pathlib.Path(__file__).parents[1] / "benchmarks"
 FIXED = ("--error", "1e3", "--turn", "1e3")
@@ -224,6 +227,64 @@ class Mechanisms(unittest.TestCase):
         tenth = len(s) // 10
         self.assertLess(abs(s[:tenth].mean() - s[-tenth:].mean()), 2e-5)
         self.assertLess(s.max() - s.min(), 2e-3)
+
+
+class Limits(unittest.TestCase):
+    """Stops, friction and locks of /PROP/KJOINT2: a block of 2 kg on a rail"""
+
+    def block(self, dof, velocity, until, *options, sensor=0, extra=(), kn=1e7):
+        prop = limits.joint(limits.TRANSLATIONAL, [dof], kn=kn, sensor=sensor)
+        root = pathlib.Path(FOLDER.name) / "block"
+        pathlib.Path(f"{root}_0000.rad").write_text(
+            limits.starter([limits.Body(velocity=(velocity, 0, 0))], prop, extra=extra))
+        pathlib.Path(f"{root}_0001.rad").write_text(limits.engine(until))
+        return Run([f"{root}_0000.rad"], "--error", "1e-5", *options)
+
+    def test_friction_stops_it(self):
+        """9 N take 3 m/s in 2 v^2/(2 F/m) = 1 m, and 9 J"""
+        run = self.block(limits.dof(stiffness=1e6, limit=9.0), 3.0, 1.0)
+        self.assertAlmostEqual(run["joint/displacement"][-1, 0, 0], 1.0, delta=1e-3)
+        self.assertAlmostEqual(run["joint/friction_energy"][-1, 0], 9.0, delta=0.01)
+        self.assertLess(abs(run["energy_error"]).max(), 1e-3)
+
+    def test_a_stop_gives_back_what_it_got(self):
+        """To a stop at 0.05 m with 1 m/s and back: speed -1"""
+        run = self.block(limits.dof(high=0.05, stiffness=1e5), 1.0, 0.12)
+        self.assertAlmostEqual(run["rigid_body/velocity"][-1, -1, 0], -1.0, delta=2e-3)
+        self.assertLess(abs(run["energy_error"]).max(), 2e-3)
+
+    def test_a_lock_takes_the_speed_at_once(self):
+        """A sensor at 0.1 s: the block stops at 0.1 m, and its 1 J is lost in the joint. The lock is not rigid:
+        1/(1 + (h w)^2/2)^2, 0.7 % of it for h = 2 ms, goes in the next step, whose ledger is second order."""
+        run = self.block(limits.dof(), 1.0, 0.2, sensor=3, extra=["/SENSOR/TIME/3", "lock", limits.reals(0.1)])
+        self.assertAlmostEqual(run["joint/displacement"][-1, 0, 0], 0.1, delta=1e-5)
+        self.assertAlmostEqual(run["joint/dissipated_energy"][-1, 0], 1.0, delta=1e-2)
+        self.assertLess(abs(run["rigid_body/velocity"][-1, -1, 0]), 1e-6)
+        self.assertLess(abs(run["energy_error"]).max(), 1e-2)
+
+
+class WaysToRun(unittest.TestCase):
+    def test_threads_give_the_same_bits(self):
+        one = scene(scenes.chain(60, hubs=20), 0.2, 0.01)
+        two = scene(scenes.chain(60, hubs=20), 0.2, 0.01, "--threads", 2, "--least-share", 1)
+        for channel in ("rigid_body/position", "joint/force", "joint/dissipated_energy"):
+            self.assertTrue(np.array_equal(one[channel], two[channel]), channel)
+
+    def test_islands(self):
+        one = scene(scenes.chain(6, hubs=2), 0.2, 0.01)
+        parts = scene(scenes.chain(6, hubs=2), 0.2, 0.01, "--islands")
+        self.assertLess(apart(one, parts), 1e-4)
+
+    def test_a_checkpoint_goes_on_with_the_same_bits(self):
+        root = pathlib.Path(FOLDER.name) / "stopped"
+        scenes.slider_crank().write(root, 1.0, 0.01)
+        words = [PROGRAM, "run", f"{root}_0000.rad", f"{root}_0001.rad", "--integrator", "compliant", *INF, *FIXED, "-q"]
+        for more in (["-o", f"{root}.h5"], ["-o", f"{root}2.h5", "--until", "0.5", "--checkpoint"],
+                     ["-o", f"{root}2.h5", "--until", "1.0", "--restart", f"{root}2.restart.h5"]):
+            subprocess.run(words + more, check=True, stdout=subprocess.DEVNULL)
+        with h5py.File(f"{root}.h5") as whole, h5py.File(f"{root}2.h5") as halves:
+            for channel in ("rigid_body/position", "rigid_body/velocity", "joint/force"):
+                self.assertTrue(np.array_equal(whole[channel], halves[channel]), channel)
 
 
 if __name__ == "__main__":
