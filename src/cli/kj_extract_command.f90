@@ -119,7 +119,7 @@ contains
          mass_text(report%total, report)//' sits in the bodies, '// &
          mass_text(report%on_free, report)//' on free nodes; '// &
          mass_text(max(0.0_wp, report%total - report%in_bodies - report%on_free), report)// &
-         ' of deformable parts is dropped')
+         ' of deformable parts and other nodes is dropped')
       do i = 1, size(report%lost)
          call print_line('          part '//str(report%lost(i)%id)//', '//report%lost(i)%title%s// &
             ': '//mass_text(report%lost(i)%mass, report))
@@ -227,7 +227,8 @@ contains
 
       do i = 1, size(report%acts)
          associate (a => report%acts(i))
-            call print_line('means     '//trim(a%name)//': '//a%what%s//bodies_text(a%body))
+            call print_line('means     '//str(a%n)//' '//trim(a%name)//': '//a%what%s// &
+               bodies_text(a%body))
          end associate
       end do
       do i = 1, size(report%bridge)
@@ -311,7 +312,8 @@ contains
          do i = 1, size(report%acts)
             associate (a => report%acts(i))
                call print_line('{'//json_member('keyword', trim(a%name))//', '// &
-                  json_member('what', a%what%s)//', '//json_pair('bodies', ids_json(a%body))// &
+                  json_member('what', a%what%s)//', '//json_member('n', &
+                  a%n)//', '//json_pair('bodies', ids_json(a%body))// &
                   '}'//comma(i, size(report%acts)))
             end associate
          end do

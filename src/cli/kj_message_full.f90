@@ -49,6 +49,14 @@ module kj_message_full
       'Put the node into a body, or hold it.'), &
    message_t('KJ-9425', SEV_WARNING, 'mass scaling is left out', '/DT/NODA/CST adds mass to nodes of elements that are '// &
       'dropped, and to bodies, which would be wrong there.', &
-      'Nothing, or limit the step with /DTIX.')]
+      'Nothing, or limit the step with /DTIX.'), &
+   message_t('KJ-9426', SEV_WARNING, 'a body loses what acts on it', 'Contacts, walls, airbags, pressure and ties are not in '// &
+      'the mechanism, and the full deck has one on a node of a body.', &
+      'See whether the motion depends on it.'), &
+   message_t('KJ-9427', SEV_ERROR, 'mass that is not known', 'Elements of a body have a material without a density on its '// &
+      'first card, or a property whose layers are not read.', &
+      'Give the nodes /ADMAS, and the elements /MAT/VOID.'), &
+   message_t('KJ-9428', SEV_ERROR, 'a constraint that cannot be left out', 'Bodies that are merged, gears, and nodes that '// &
+      'follow others carry bodies or ends of joints.', 'Use joints instead.')]
 
 end module kj_message_full

@@ -11,6 +11,7 @@ module kj_extract_report
    use kj_element_cards, only: element_row, element_cards
    use kj_element_mass, only: scales_t, element_t, first_element, next_element
    use kj_keep, only: keep_t, body_of
+   use kj_acts, only: act_t, find_acts
    implicit none
    private
 
@@ -33,13 +34,6 @@ module kj_extract_report
       integer :: body(2) = 0
       logical :: alone = .false.                 !! nothing else joins these two
    end type bridge_t
-
-   !> A condition out of scope that acts on bodies in the full deck
-   type, public :: act_t
-      character(len=20) :: name = ''             !! keyword
-      type(text_t) :: what
-      integer, allocatable :: body(:)            !! ids
-   end type act_t
 
    !> A part that is left behind with its mass
    type, public :: lost_part_t
@@ -93,7 +87,7 @@ contains
       call tell_dropped(draft, report)
       call tell_bridges(draft, scales, report)
       call tell_lost_parts(draft, scales, report)
-      allocate (report%acts(0))
+      call find_acts(draft, report%acts)
    end subroutine new_report
 
    !> Mass, centre and inertia of the bodies, and where the mass comes from

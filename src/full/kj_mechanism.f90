@@ -14,6 +14,7 @@ module kj_mechanism
    use kj_element_mass, only: scales_t, element_t, first_element, next_element, weigh
    use kj_full_draft, only: build_full_draft
    use kj_keep, only: keep_t, decide
+   use kj_acts, only: check_unweighed
    use kj_text_block, only: page_t, new_page
    use kj_extract, only: write_mechanism
    use kj_extract_report, only: extract_report_t, new_report
@@ -49,6 +50,7 @@ contains
       if (draft%deck%readable) call build_full_draft(draft, scales, element_mass, model)
       if (draft%deck%findings%n_error == count_late(draft%deck%findings) .and. &
          draft%deck%readable) then
+         call check_unweighed(draft, scales)
          call decide(draft, element_mass, keep)
          call weigh_kept_springs(draft, scales, keep, spring_mass, spring_inertia)
          call new_page(page)
