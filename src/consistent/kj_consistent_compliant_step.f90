@@ -341,7 +341,10 @@ contains
       end do
    end subroutine velocity_forces
 
-   !> h/6 |v1 - 2 v+ + v(n)|, and the same of J^-1 L; the largest of the bodies
+   !> h/6 |v1 - 2 v+ + v(n)|, and h/6 |J^-1 (L1 - L+) - J(n)^-1 (L+ - L(n))|; the largest of the
+   !> bodies. Each change of L with the inertia of its own pose: a thin rod turns L away from
+   !> where it
+   !> is stiff.
    subroutine estimate_error(model, h, state, self)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
@@ -351,9 +354,11 @@ contains
       real(wp) :: way, turn
       integer :: i
 
-      ! L1 - 2 L+ + L(n) as if it were an angular momentum
-      self%turn = state%l - 2.0_wp*self%start%l_half + self%start%l
+      self%turn = state%l - self%start%l_half
       call spin_velocity(model, state%poses%quat, self%turn, 1, model%n_lead, self%y)
+      self%turn = self%start%l_half - self%start%l
+      call spin_velocity(model, self%start%quat, self%turn, 1, model%n_lead, self%f)
+      self%y = self%y - self%f
       way = 0.0_wp
       turn = 0.0_wp
       do i = 1, model%n_lead
