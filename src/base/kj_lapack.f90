@@ -5,7 +5,7 @@ module kj_lapack
    implicit none
    private
 
-   public :: principal_axes, solve_dense, largest_eigenvalue
+   public :: principal_axes, largest_eigenvalue
 
    interface
       subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
@@ -16,13 +16,6 @@ module kj_lapack
          real(wp), intent(out) :: w(*), work(*)
          integer, intent(out) :: info
       end subroutine dsyev
-
-      subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
-         import :: wp
-         integer, intent(in) :: n, nrhs, lda, ldb
-         real(wp), intent(inout) :: a(lda, *), b(ldb, *)
-         integer, intent(out) :: ipiv(*), info
-      end subroutine dgesv
    end interface
 
 contains
@@ -51,23 +44,6 @@ contains
          axes(3, 1)*axes(1, 2) - axes(1, 1)*axes(3, 2), &
          axes(1, 1)*axes(2, 2) - axes(2, 1)*axes(1, 2)]
    end subroutine principal_axes
-
-   !> x := a^-1 x for one right-hand side; ok is false for a singular matrix
-   subroutine solve_dense(n, a, x, ok)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: a(n, n)
-      real(wp), intent(inout) :: x(n)
-      logical, intent(out) :: ok
-
-      real(wp) :: lu(n, n), b(n, 1)
-      integer :: pivot(n), info
-
-      lu = a
-      b(:, 1) = x
-      call dgesv(n, 1, lu, n, pivot, b, n, info)
-      ok = info == 0
-      if (ok) x = b(:, 1)
-   end subroutine solve_dense
 
    !> Largest eigenvalue of a symmetric matrix; a is destroyed. huge when it is no finite number.
    subroutine largest_eigenvalue(n, a, value)

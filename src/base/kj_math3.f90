@@ -4,7 +4,7 @@ module kj_math3
    implicit none
    private
 
-   public :: cross, unit, rotation, rotation_vector, to_quaternion, to_quaternions, &
+   public :: cross, unit, solve_small, rotation, rotation_vector, to_quaternion, to_quaternions, &
       quaternion_product, inverse3, turn_coefficients, angles
 
    real(wp), parameter, public :: IDENTITY(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, &
@@ -107,6 +107,43 @@ contains
          a(i) = sign(r, y(i))
       end do
    end subroutine angles
+
+   !> x := a^-1 x of the first n unknowns, by elimination; ok is false for a singular matrix
+   pure subroutine solve_small(n, a, x, ok)
+      integer, intent(in) :: n                  !! 1 to 3
+      real(wp), intent(in) :: a(3, 3)
+      real(wp), intent(inout) :: x(3)
+      logical, intent(out) :: ok
+
+      real(wp) :: u(3, 4), row(4), factor
+      integer :: i, j, p
+
+      u(:, :3) = a
+      u(:, 4) = x
+      ok = .false.
+      do j = 1, n
+         p = j
+         do i = j + 1, n
+            if (abs(u(i, j)) > abs(u(p, j))) p = i
+         end do
+         if (.not. abs(u(p, j)) > 0.0_wp) return
+         row = u(p, :)
+         u(p, :) = u(j, :)
+         u(j, :) = row
+         do i = j + 1, n
+            factor = u(i, j)/u(j, j)
+            u(i, j + 1:) = u(i, j + 1:) - factor*u(j, j + 1:)
+         end do
+      end do
+      do j = n, 1, -1
+         x(j) = u(j, 4)
+         do i = j + 1, n
+            x(j) = x(j) - u(j, i)*x(i)
+         end do
+         x(j) = x(j)/u(j, j)
+      end do
+      ok = .true.
+   end subroutine solve_small
 
    !> Exp of a rotation vector [rad] (Rodrigues)
    pure function rotation(phi) result(r)

@@ -31,7 +31,7 @@ contains
          !$omp simd
          do i = lo, hi
             state%v(i, k) = state%v(i, k) + 0.5_wp*h*model%inverse_mass(i)*state%f(i, k)
-            state%l(i, k) = state%l(i, k) + 0.5_wp*h*state%t(i, k)
+            state%l(i, k) = state%l(i, k) + 0.5_wp*h*(model%turns(i)*state%t(i, k))
          end do
       end do
    end subroutine kick

@@ -143,6 +143,10 @@ contains
          if (abs(inertia(2) - inertia(3)) <= 1.0e-12_wp*inertia(1)) model%equal(i) = 1
          if (abs(inertia(1) - inertia(2)) <= 1.0e-12_wp*inertia(1)) model%equal(i) = 3
          h = model%hold_of(i)
+         if (model%rests(i)) then
+            model%inverse_mass(i) = 0.0_wp
+            model%inverse_inertia(i, :) = 0.0_wp
+         end if
          if (h == 0) cycle
          if (all_blocked(model%hold(h)%trans, model%hold(h)%n_trans)) model%inverse_mass(i) = 0.0_wp
          if (all_blocked(model%hold(h)%rot, model%hold(h)%n_rot)) model%inverse_inertia(i, :) = &
@@ -281,6 +285,8 @@ contains
       allocate (state%kept%rates(6, size(model%hold)), state%kept%quat(4, size(model%hold)), &
          state%kept%w(3, size(model%hold)), state%kept%work(2, size(model%hold), WHOLE), &
          source=0.0_wp)
+      allocate (state%mean(size(model%motion)), state%final(size(model%motion)), source=0.0_wp)
+      allocate (state%active(size(model%motion)), source=.false.)
       state%work = 0.0_wp
       call settle(model, state)
       call start_energies(model, state)
@@ -293,10 +299,16 @@ contains
 
       real(wp) :: mean(size(model%motion)), final(size(model%motion)), work
       logical :: active(size(model%motion))
+      integer :: i
 
       work = state%work
       call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
       active = active .and. model%motion%kind == 1
+      do i = 1, model%n_lead
+         if (.not. model%rests(i)) cycle
+         state%v(i, :) = 0.0_wp
+         state%l(i, :) = 0.0_wp
+      end do
       call project_all(model, final, active, WHOLE, state)
       state%work = work
       call find_forces(model, 0.0_wp, final, active, state)

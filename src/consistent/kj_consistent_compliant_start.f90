@@ -42,12 +42,14 @@ contains
       state%h = h
       call motion_targets(model, state, 1.0e-30_wp, mean, final, active)
       active = active .and. model%motion%kind == IMPOSE_VELOCITY
+      state%final = final
+      state%active = active
       call see_joints(model, state, state%compliant)
       call prepare(model, h, active, state, state%compliant, good)
       call keep_rates(model, 1, size(model%hold), state)
       state%f = 0.0_wp
       state%t = 0.0_wp
-      call look_leads(model, 0.0_wp, final, active, 1, model%n_lead, state)
+      call look_leads(model, 0.0_wp, 1, model%n_lead, state)
       associate (self => state%compliant)
          call velocity_sides(model, h, state, self, .true.)
          call assemble(model, state, active, .true., self, good)
@@ -65,14 +67,12 @@ contains
          end if
          self%jump = 0
       end associate
-      call find_explicit(model, final, active, state)
+      call find_explicit(model, state)
    end subroutine start_velocities
 
    !> Explicit forces of the present pose, without dampers; these from the velocities as they are
-   subroutine find_explicit(model, final, active, state)
+   subroutine find_explicit(model, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: final(:)
-      logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
 
       logical :: any_rest
@@ -88,7 +88,7 @@ contains
       call add_gravity(model, 1, model%n_lead, state)
       call add_loads(model, state)
       call add_host_loads(0.0_wp, state)
-      call look_leads(model, 0.0_wp, final, active, 1, model%n_lead, state)
+      call look_leads(model, 0.0_wp, 1, model%n_lead, state)
       associate (self => state%compliant)
          call damper_rows(model, 1.0_wp, state, self, any_rest)
          call velocity_sides(model, 1.0_wp, state, self, .false.)

@@ -50,7 +50,10 @@ contains
       call renew_locks(model, state, state%compliant, changed)
       if (changed) call put_locks(state%compliant)
       call motion_targets(model, state, h, mean, final, active)
-      call position_stage(model, h, mean, active, state, good)
+      state%mean = mean
+      state%final = final
+      state%active = active
+      call position_stage(model, h, active, state, good)
       if (.not. good) then
          call restore_leads(state)
          return
@@ -71,7 +74,7 @@ contains
       call count_gravity(model, h, state)
       call add_loads(model, state)
       call add_host_loads(h, state)
-      call velocity_stage(model, h, final, active, state, good)
+      call velocity_stage(model, h, active, state, good)
       associate (self => state%compliant)
          call close_rows(model, h, state, self)
          self%h_last = h
@@ -93,10 +96,9 @@ contains
 
    !> Multipliers f that bring the leads to poses with q = phi q(n) + kappa f, and these poses; what
    !> is known before stands in state%compliant%start
-   subroutine position_stage(model, h, mean, active, state, good)
+   subroutine position_stage(model, h, active, state, good)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: mean(:)            !! (n_motion) mean velocities of the step
       logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
@@ -115,7 +117,7 @@ contains
          do pass = 0, MOST_PASSES
             if (pass > 0) call restore_leads(state)
             call put_forces(model, .true., self, state)
-            call move_leads(model, .false., h, mean, active, 1, model%n_lead, state)
+            call move_leads(model, .false., h, 1, model%n_lead, state)
             call see_joints(model, state, self)
             call find_residual(model, state, self, way, turn)
             good = way <= CLOSE*self%e_way + ROUNDING*scale .and. &
@@ -260,10 +262,9 @@ contains
    !> Multipliers g with which the velocities after the second half kick keep to the rows, that
    !> kick, and the estimate of the error of the step. state%f and state%t are those of explicit
    !> forces, and are so again afterwards.
-   subroutine velocity_stage(model, h, final, active, state, good)
+   subroutine velocity_stage(model, h, active, state, good)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: final(:)           !! (n_motion) velocities at the end of the step
       logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
@@ -272,13 +273,13 @@ contains
 
       state%compliant%f(:, :) = state%f
       state%compliant%t(:, :) = state%t
-      call look_leads(model, h, final, active, 1, model%n_lead, state)
+      call look_leads(model, h, 1, model%n_lead, state)
       associate (self => state%compliant)
          if (self%any_damper) then
             call damper_rows(model, h, state, self, any_rest)
             if (any_rest) then
                call add_rests(model, state, self)
-               call look_leads(model, h, final, active, 1, model%n_lead, state)
+               call look_leads(model, h, 1, model%n_lead, state)
                state%f(:, :) = self%f
                state%t(:, :) = self%t
             end if
@@ -289,7 +290,7 @@ contains
          call solve_rows(model, state, .true., self)
          call velocity_forces(model, self)
          call put_forces(model, .false., self, state)
-         call kick_leads(model, h, final, active, 1, model%n_lead, state)
+         call kick_leads(model, h, 1, model%n_lead, state)
          call count_work(SECOND_HALF, state)
          state%f(:, :) = self%f
          state%t(:, :) = self%t
@@ -388,7 +389,10 @@ contains
 
       if (state%compliant%known == state%cycle) return
       call motion_targets(model, state, h, mean, final, active)
-      call position_stage(model, h, mean, active, state, good)
+      state%mean = mean
+      state%final = final
+      state%active = active
+      call position_stage(model, h, active, state, good)
       call restore_leads(state)
       if (.not. good) then
          call forget_guess(model, state%compliant)

@@ -4,13 +4,12 @@
 !> One file: conditions are gathered, projected and counted by the same rows.
 module kj_consistent_conditions
    use kj_kinds, only: wp
-   use kj_math3, only: rotation, to_quaternion, quaternion_product, cross, IDENTITY
-   use kj_lapack, only: solve_dense
+   use kj_math3, only: rotation, to_quaternion, quaternion_product, cross, solve_small, IDENTITY
    use kj_curve, only: curve_set_t, load_value, curve_integral, curve_moment
    use kj_model, only: motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t, hold_t
-   use kj_consistent_body, only: columns, spin_velocity
+   use kj_consistent_body, only: columns
    use kj_block, only: BLOCK
    implicit none
    private
@@ -109,10 +108,28 @@ contains
 
       do i = first, last
          lead = model%hold(i)%lead
-         call spin_velocity(model, state%poses%quat, state%l, lead, lead, state%poses%w)
-         state%kept%rates(:, i) = [state%v(lead, :), state%poses%w(lead, :)]
+         state%kept%rates(1:3, i) = state%v(lead, :)
+         state%kept%rates(4:6, i) = spin_of(model, state, lead)
       end do
    end subroutine keep_rates
+
+   !> J^-1 L of a lead
+   pure function spin_of(model, state, lead) result(w)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: lead
+      real(wp) :: w(3)
+
+      real(wp) :: p(3, 3), l(3), s(3)
+      integer :: k
+
+      p = body_matrix(state, lead)
+      l = state%l(lead, :)
+      do k = 1, 3
+         s(k) = model%inverse_inertia(lead, k)*(p(1, k)*l(1) + p(2, k)*l(2) + p(3, k)*l(3))
+      end do
+      w = p(:, 1)*s(1) + p(:, 2)*s(2) + p(:, 3)*s(3)
+   end function spin_of
 
    !> Project all held leads, and count the work
    subroutine project_all(model, target, active, part, state)
@@ -152,7 +169,7 @@ contains
       integer, intent(in) :: first, last
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: b(3, 3), u(3), power, before(6)
+      real(wp) :: b(3, 3), u(3), p(3), power, before(6)
       logical :: drives(3)
       integer :: i, lead, n
 
@@ -161,21 +178,24 @@ contains
          before = state%kept%rates(:, i)
          associate (hold => model%hold(i))
             lead = hold%lead
-            call rows_of(state, hold%trans(:hold%n_trans), target, active, b, u, drives, n)
+            call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, target, active)
             if (n == 3 .and. .not. any(drives)) then
                state%v(lead, :) = 0.0_wp
             else if (n > 0) then
-               call drive(n, b, u, drives, part, before(1:3), unit_inverse(1.0_wp), &
-                  state%v(lead, :), power)
+               p = state%v(lead, :)
+               call drive(n, b, u, drives, part, before(1:3), IDENTITY, p, power)
+               state%v(lead, :) = p
                state%kept%work(1, i, part) = model%mass(lead)*power
             end if
-            call rows_of(state, hold%rot(:hold%n_rot), target, active, b, u, drives, n)
+            call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n, target, active)
             if (n == 0) cycle
             if (n == 3 .and. .not. any(drives(:3))) then
                state%l(lead, :) = 0.0_wp
             else
+               p = state%l(lead, :)
                call drive(n, b, u, drives, part, before(4:6), inverse_inertia(model, state, lead), &
-                  state%l(lead, :), power)
+                  p, power)
+               state%l(lead, :) = p
                state%kept%work(2, i, part) = power
                if (part == FIRST_HALF .and. n == 1) call lean_back(model, state, lead, b, u)
             end if
@@ -191,28 +211,20 @@ contains
       integer, intent(in) :: lead
       real(wp), intent(in) :: b(3, 3), u(3)
 
-      real(wp) :: g(3, 3), w(3), back(3), power
+      real(wp) :: g(3, 3), l(3), w(3), back(3), power
 
       g = inverse_inertia(model, state, lead)
-      w = matmul(g, state%l(lead, :))
+      l = state%l(lead, :)
+      w = matmul(g, l)
       back = u
-      back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), matmul(g, cross(w, state%l(lead, :))))
-      call drive(1, b, back, [.false., .false., .false.], FIRST_HALF, u, g, state%l(lead, :), power)
+      back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), matmul(g, cross(w, l)))
+      call drive(1, b, back, [.false., .false., .false.], FIRST_HALF, u, g, l, power)
+      state%l(lead, :) = l
    end subroutine lean_back
 
-   pure function unit_inverse(m) result(a)
-      real(wp), intent(in) :: m
-      real(wp) :: a(3, 3)
-
-      a = 0.0_wp
-      a(1, 1) = m
-      a(2, 2) = m
-      a(3, 3) = m
-   end function unit_inverse
-
    !> Change p so that b (g p) = u with g symmetric; power of the driven rows
-   subroutine drive(n, b, u, drives, part, before, g, p, power)
-      integer, intent(in) :: n
+   pure subroutine drive(n, b, u, drives, part, before, g, p, power)
+      integer, intent(in) :: n                       !! rows of b, the others are 0
       real(wp), intent(in) :: b(3, 3), u(3), before(3), g(3, 3)
       logical, intent(in) :: drives(3)
       integer, intent(in) :: part
@@ -220,24 +232,26 @@ contains
       real(wp), intent(inout) :: p(3)
       real(wp), intent(out) :: power
 
-      real(wp) :: a(n, n), impulse(n), rate, old
+      real(wp) :: a(3, 3), gb(3, 3), gp(3), impulse(3), rate, old
       integer :: k
       logical :: ok
 
-      a = matmul(b(:n, :), matmul(g, transpose(b(:n, :))))
-      impulse = u(:n) - matmul(b(:n, :), matmul(g, p))
-      call solve_dense(n, a, impulse, ok)
+      gb = matmul(g, transpose(b))
+      a = matmul(b, gb)
+      gp = matmul(g, p)
+      impulse = u - matmul(b, gp)
+      call solve_small(n, a, impulse, ok)
       power = 0.0_wp
       if (.not. ok) return
       do k = 1, n
          if (.not. drives(k)) cycle
-         old = dot_product(b(k, :), matmul(g, p))
+         old = dot_product(b(k, :), gp)
          rate = dot_product(b(k, :), before) + 0.5_wp*(u(k) - old)
          if (part == SECOND_HALF) rate = u(k) - 0.5_wp*(u(k) - old)
          if (part == WHOLE) rate = 0.5_wp*(dot_product(b(k, :), before) + u(k))
          power = power + impulse(k)*rate
       end do
-      p = p + matmul(impulse, b(:n, :))
+      p = p + matmul(impulse, b)
    end subroutine drive
 
    !> Velocities that pass 2 of the joints sees: predicted ones, brought onto the conditions of
@@ -249,55 +263,59 @@ contains
       integer, intent(in) :: first, last
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: b(3, 3), u(3), power, l(3), g(3, 3)
+      real(wp) :: b(3, 3), u(3), power, p(3), g(3, 3)
       logical :: drives(3)
       integer :: i, lead, n
 
       do i = first, last
          lead = model%hold(i)%lead
-         call rows_of(state, model%hold(i)%trans(:model%hold(i)%n_trans), target, active, b, u, &
-            drives, n)
+         call rows_of(state, model%hold(i)%trans, model%hold(i)%n_trans, b, u, drives, n, target, &
+            active)
          if (n == 3 .and. .not. any(drives)) then
             state%poses%v(lead, :) = 0.0_wp
          else if (n > 0) then
-            call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), &
-               state%poses%v(lead, :), power)
+            p = state%poses%v(lead, :)
+            call drive(n, b, u, drives, FIRST_HALF, u, IDENTITY, p, power)
+            state%poses%v(lead, :) = p
          end if
-         call rows_of(state, model%hold(i)%rot(:model%hold(i)%n_rot), target, active, b, u, &
-            drives, n)
+         call rows_of(state, model%hold(i)%rot, model%hold(i)%n_rot, b, u, drives, n, target, &
+            active)
          if (n == 3 .and. .not. any(drives)) then
             state%poses%w(lead, :) = 0.0_wp
          else if (n > 0) then
             g = inverse_inertia(model, state, lead)
-            l = matmul(inertia(model, state, lead), state%poses%w(lead, :))
-            call drive(n, b, u, drives, FIRST_HALF, u, g, l, power)
-            state%poses%w(lead, :) = matmul(g, l)
+            p = matmul(inertia(model, state, lead), state%poses%w(lead, :))
+            call drive(n, b, u, drives, FIRST_HALF, u, g, p, power)
+            state%poses%w(lead, :) = matmul(g, p)
          end if
       end do
    end subroutine project_rates
 
-   !> Axes and wanted rates of the rows that act now
-   subroutine rows_of(state, rows, target, active, b, u, drives, n)
+   !> Axes and wanted rates of the rows that act now; 0 beyond them
+   pure subroutine rows_of(state, rows, most, b, u, drives, n, target, active)
       type(consistent_state_t), intent(in) :: state
-      type(row_t), intent(in) :: rows(:)
-      real(wp), intent(in) :: target(:)
-      logical, intent(in) :: active(:)
+      type(row_t), intent(in) :: rows(3)
+      integer, intent(in) :: most                    !! rows used
       real(wp), intent(out) :: b(3, 3), u(3)
       logical, intent(out) :: drives(3)
       integer, intent(out) :: n
+      real(wp), intent(in), optional :: target(:)    !! without them: blocked rows alone
+      logical, intent(in), optional :: active(:)
 
       integer :: k, m
 
       n = 0
       drives = .false.
-      do k = 1, size(rows)
+      b = 0.0_wp
+      u = 0.0_wp
+      do k = 1, most
          m = rows(k)%motion
          if (m > 0) then
+            if (.not. present(active)) cycle
             if (.not. active(m)) cycle
          end if
          n = n + 1
          b(n, :) = axis_of(state%skew, rows(k)%skew, rows(k)%dir)
-         u(n) = 0.0_wp
          if (m > 0) u(n) = target(m)
          drives(n) = m > 0
       end do
@@ -323,9 +341,9 @@ contains
             p(:, :, part) = 0.0_wp
          if (model%hold_of(lead) == 0) cycle
          associate (hold => model%hold(model%hold_of(lead)))
-            if (part == 1) call rows_of(state, hold%trans(:hold%n_trans), none, active, b, u, &
-               drives, n)
-            if (part == 2) call rows_of(state, hold%rot(:hold%n_rot), none, active, b, u, drives, n)
+            if (part == 1) call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, none, &
+               active)
+            if (part == 2) call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n, none, active)
          end associate
          do k = 1, n
             a = matmul(p(:, :, part), b(k, :))
@@ -393,8 +411,8 @@ contains
 
       do i = first, last
          lead = model%hold(i)%lead
-         call rows_of(state, model%hold(i)%rot(:model%hold(i)%n_rot), target, active, b, u, &
-            drives, n)
+         call rows_of(state, model%hold(i)%rot, model%hold(i)%n_rot, b, u, drives, n, target, &
+            active)
          if (n < 2) cycle
          w = state%kept%w(:, i)
          q = to_quaternion(rotation(h*w))
@@ -412,16 +430,14 @@ contains
       integer, intent(in) :: i                       !! index of the hold
       real(wp), intent(inout) :: f(3), t(3)
 
-      real(wp) :: b(3, 3), u(3), none(size(state%motion_at)), power
-      logical :: drives(3), inactive(size(state%motion_at))
+      real(wp) :: b(3, 3), u(3), power
+      logical :: drives(3)
       integer :: n
 
-      none = 0.0_wp
-      inactive = .false.
       associate (hold => model%hold(i))
-         call rows_of(state, hold%trans(:hold%n_trans), none, inactive, b, u, drives, n)
-         if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, unit_inverse(1.0_wp), f, power)
-         call rows_of(state, hold%rot(:hold%n_rot), none, inactive, b, u, drives, n)
+         call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n)
+         if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, IDENTITY, f, power)
+         call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n)
          if (n == 3) then
             t = 0.0_wp
          else if (n > 0) then
@@ -489,14 +505,24 @@ contains
       end subroutine add_row
    end subroutine collect_holds
 
-   !> Conditions by ascending lead, and how many there are up to each block of leads
+   !> Conditions by ascending lead, and how many there are up to each block of leads. What is
+   !> blocked in all directions rests: it needs no more than an infinite mass.
    pure subroutine sort_holds(hold, model)
       type(hold_t), intent(in) :: hold(:)
       type(consistent_model_t), intent(inout) :: model
 
       integer :: lead, n
 
-      allocate (model%hold(size(hold)), model%hold_to(0:(size(model%hold_of) + BLOCK - 1)/BLOCK))
+      model%rests = [(.false., lead=1, size(model%hold_of))]
+      do n = 1, size(hold)
+         associate (h => hold(n))
+            model%rests(h%lead) = all_blocked(h%trans, h%n_trans) .and. all_blocked(h%rot, h%n_rot)
+         end associate
+      end do
+      model%turns = merge(0.0_wp, 1.0_wp, model%rests)
+      where (model%rests) model%hold_of = 0
+      allocate (model%hold(count(model%hold_of > 0)), &
+         model%hold_to(0:(size(model%hold_of) + BLOCK - 1)/BLOCK))
       model%hold_to(0) = 0
       n = 0
       do lead = 1, size(model%hold_of)

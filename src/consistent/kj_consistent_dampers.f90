@@ -148,20 +148,24 @@ contains
       real(wp), intent(inout) :: f(BLOCK, 6)
 
       real(wp) :: a(BLOCK, 21), d(BLOCK, 6), pivot(BLOCK, 6), part
-      integer :: i, k, l, m, at, row, column
+      integer :: list(NDOF), many, i, k, l, m, x, y, z, at, row, column
 
-      do k = 1, 6
+      list = 0
+      many = 0
+      do k = 1, NDOF
          if (.not. on(k)) cycle
+         many = many + 1
+         list(many) = k
          !$omp simd
          do i = 1, n
             d(i, k) = sqrt(c(i, k))
             f(i, k) = f(i, k)/merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)
          end do
       end do
-      do k = 1, 6
-         if (.not. on(k)) cycle
-         do l = 1, k
-            if (.not. on(l)) cycle
+      do x = 1, many
+         k = list(x)
+         do y = 1, x
+            l = list(y)
             at = k*(k - 1)/2 + l
             !$omp simd
             do i = 1, n
@@ -170,15 +174,14 @@ contains
          end do
          a(:n, at) = a(:n, at) + 1.0_wp
       end do
-      do k = 1, 6
-         if (.not. on(k)) cycle
-         at = k*(k + 1)/2
-         pivot(:n, k) = 1.0_wp/a(:n, at)
-         do l = k + 1, 6
-            if (.not. on(l)) cycle
+      do x = 1, many
+         k = list(x)
+         pivot(:n, k) = 1.0_wp/a(:n, k*(k + 1)/2)
+         do y = x + 1, many
+            l = list(y)
             row = l*(l - 1)/2
-            do m = k + 1, l
-               if (.not. on(m)) cycle
+            do z = x + 1, y
+               m = list(z)
                column = m*(m - 1)/2 + k
                !$omp simd private(part)
                do i = 1, n
@@ -192,15 +195,16 @@ contains
             end do
          end do
       end do
-      do k = 6, 1, -1
-         if (.not. on(k)) cycle
-         do m = k + 1, 6
-            if (on(m)) f(:n, k) = f(:n, k) - a(:n, m*(m - 1)/2 + k)*f(:n, m)
+      do x = many, 1, -1
+         k = list(x)
+         do y = x + 1, many
+            m = list(y)
+            f(:n, k) = f(:n, k) - a(:n, m*(m - 1)/2 + k)*f(:n, m)
          end do
          f(:n, k) = f(:n, k)*pivot(:n, k)
       end do
-      do k = 1, 6
-         if (.not. on(k)) cycle
+      do x = 1, many
+         k = list(x)
          !$omp simd
          do i = 1, n
             f(i, k) = f(i, k)*merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)

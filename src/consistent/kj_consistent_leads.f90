@@ -19,12 +19,10 @@ contains
 
    !> First half kick and drift of leads lo..hi, with their conditions, and what they need before
    !> the forces of the new pose. lo is the first lead of a block.
-   subroutine move_leads(model, midpoint, h, target, active, lo, hi, state)
+   subroutine move_leads(model, midpoint, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: target(:)              !! (n_motion) mean velocities of the step
-      logical, intent(in) :: active(:)
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
@@ -36,7 +34,7 @@ contains
          last = model%hold_to((to + BLOCK - 1)/BLOCK)
          call keep_rates(model, first, last, state)
          call half_kick(model, h, from, to, state)
-         call project(model, target, active, FIRST_HALF, first, last, state)
+         call project(model, state%mean, state%active, FIRST_HALF, first, last, state)
          call half_turn(model, h, from, to, state)
          do i = first, last
             state%kept%quat(:, i) = state%poses%quat(model%hold(i)%lead, :)
@@ -47,7 +45,7 @@ contains
          else
             call drift(model, state, h, from, to)
          end if
-         call hold_rotations(model, h, target, active, first, last, state)
+         call hold_rotations(model, h, state%mean, state%active, first, last, state)
          call open_leads(model, h, from, to, state)
       end do
    end subroutine move_leads
@@ -118,11 +116,9 @@ contains
 
    !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
    !> inertias
-   subroutine look_leads(model, h, target, active, lo, hi, state)
+   subroutine look_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
-      logical, intent(in) :: active(:)
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
@@ -133,17 +129,15 @@ contains
          first = model%hold_to((from - 1)/BLOCK) + 1
          last = model%hold_to((to + BLOCK - 1)/BLOCK)
          call predict(model, h, from, to, state)
-         call project_rates(model, target, active, first, last, state)
+         call project_rates(model, state%final, state%active, first, last, state)
          call inverse_inertias(model, state%poses%quat, from, to, state%poses%ij)
       end do
    end subroutine look_leads
 
    !> Second half kick of leads lo..hi and the sum of turns
-   subroutine kick_leads(model, h, target, active, lo, hi, state)
+   subroutine kick_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: target(:)              !! (n_motion) velocities at the end of the step
-      logical, intent(in) :: active(:)
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
@@ -155,7 +149,7 @@ contains
          last = model%hold_to((to + BLOCK - 1)/BLOCK)
          call keep_rates(model, first, last, state)
          call half_kick(model, h, from, to, state)
-         call project(model, target, active, SECOND_HALF, first, last, state)
+         call project(model, state%final, state%active, SECOND_HALF, first, last, state)
          to = min(to, model%n_body)
          do k = 1, 3
             state%turn(from:to, k) = state%turn(from:to, k) + state%poses%psi(from:to, k)

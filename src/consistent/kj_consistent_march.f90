@@ -28,6 +28,8 @@ module kj_consistent_march
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3, &
       COMPLIANT = 4                               !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
+   ! sums over leads do not depend on threads: parts of SUMMED leads, WINDOW of them at a time
+   integer, parameter :: SUMMED = 64, WINDOW = 64
 
    ! Joints that start with a jump ring, and near the limit ten times as far as they should, at the
    ! cost of the energy. So a run starts with shorter steps until the ringing has died down.
@@ -331,37 +333,68 @@ contains
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
-      real(wp) :: part((model%n_lead + BLOCK - 1)/BLOCK)
-      integer :: b
+      real(wp) :: part(WINDOW)
+      integer :: b, from
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1)
-      do b = 1, size(part)
-         part(b) = kick_of(model, state, BLOCK*(b - 1) + 1, min(BLOCK*b, model%n_lead))
+      q = 0.0_wp
+      do from = 1, model%n_lead, SUMMED*WINDOW
+         if (model%team%threads == 1) then
+            do b = 1, parts(from)
+               call add_part(b)
+            end do
+         else
+            !$omp parallel do schedule(static) num_threads(model%team%threads)
+            do b = 1, parts(from)
+               call add_part(b)
+            end do
+         end if
+         do b = 1, parts(from)
+            q = q + part(b)
+         end do
       end do
-      q = sum(part)
+
+   contains
+
+      pure integer function parts(from)
+         integer, intent(in) :: from
+
+         parts = min(WINDOW, (model%n_lead - from)/SUMMED + 1)
+      end function parts
+
+      subroutine add_part(b)
+         integer, intent(in) :: b
+
+         part(b) = kick_of(model, state, from + SUMMED*(b - 1), min(from + SUMMED*b - 1, &
+            model%n_lead))
+      end subroutine add_part
    end function kick_term
 
-   !> The same of leads lo..hi, a block or less
+   !> The same of leads lo..hi
    real(wp) function kick_of(model, state, lo, hi) result(q)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: lo, hi
 
       real(wp) :: f(3), t(3), quat(BLOCK, 4), e(BLOCK, 9)
-      integer :: i, k, n
+      integer :: i, j, k, from, n
 
-      n = hi - lo + 1
       q = 0.0_wp
-      quat(:n, :) = state%poses%quat(lo:hi, :)
-      call quaternion_frame(n, quat, e)
-      do i = 1, n
-         f = state%f(lo + i - 1, :)
-         t = state%t(lo + i - 1, :)
-         if (model%hold_of(lo + i - 1) > 0) call held_force(model, state, &
-            model%hold_of(lo + i - 1), f, t)
-         q = q + model%inverse_mass(lo + i - 1)*dot_product(f, f)
-         do k = 1, 3
-            q = q + model%inverse_inertia(lo + i - 1, k)*dot_product(e(i, 3*k - 2:3*k), t)**2
+      do from = lo, hi, BLOCK
+         n = min(BLOCK, hi - from + 1)
+         do k = 1, 4
+            quat(:n, k) = state%poses%quat(from:from + n - 1, k)
+         end do
+         call quaternion_frame(n, quat, e)
+         do i = 1, n
+            j = from + i - 1
+            if (model%rests(j)) cycle
+            f = state%f(j, :)
+            t = state%t(j, :)
+            if (model%hold_of(j) > 0) call held_force(model, state, model%hold_of(j), f, t)
+            q = q + model%inverse_mass(j)*dot_product(f, f)
+            do k = 1, 3
+               q = q + model%inverse_inertia(j, k)*dot_product(e(i, 3*k - 2:3*k), t)**2
+            end do
          end do
       end do
    end function kick_of

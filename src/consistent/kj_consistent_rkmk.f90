@@ -174,7 +174,7 @@ contains
          stage%x(i, :) = state%v(i, :)
          stage%turn(i, :) = w - 0.5_wp*cross(u, w) + cross(u, cross(u, w))/12.0_wp
          stage%v(i, :) = model%inverse_mass(i)*state%f(i, :)
-         stage%l(i, :) = state%t(i, :)
+         stage%l(i, :) = merge(0.0_wp, state%t(i, :), model%rests(i))
       end do
    end subroutine take_rates
 

@@ -39,6 +39,7 @@ module kj_consistent_safe_step
       real(wp), allocatable :: limit(:)          !! (n_element) step that each joint allows
       real(wp), allocatable :: q(:, :)           !! (n_element, 6) coordinates then
       real(wp), allocatable :: reach(:)          !! (n_element) slide that asks for a new evaluation
+      real(wp), allocatable :: lambda(:)         !! (n_element) eigenvalues
       !> (27, n_element) of springs: directions and couples, then
       real(wp), allocatable :: rows(:, :)
    end type bound_t
@@ -65,7 +66,7 @@ contains
       integer :: b, i, j, e, sweep
 
       allocate (bound%share(2, model%n_element), bound%k(6, model%n_element), &
-         bound%limit(model%n_element))
+         bound%limit(model%n_element), bound%lambda(model%n_element))
       allocate (bound%q(model%n_element, 6), bound%reach(model%n_element), source=0.0_wp)
       if (explicit) allocate (bound%c(6, model%n_element))
       if (any(is_spring(model%batch))) allocate (bound%rows(27, model%n_element), source=0.0_wp)
@@ -105,7 +106,7 @@ contains
       type(consistent_state_t), intent(inout) :: state    !! of the poses the inverse inertias
       type(bound_t), intent(inout) :: bound
 
-      real(wp) :: lambda(size(bound%limit))
+      real(wp), allocatable :: lambda(:)
       integer :: b, i
 
       do b = 1, size(model%batch)
@@ -116,8 +117,10 @@ contains
             end associate
          end do
       end do
+      call move_alloc(bound%lambda, lambda)
       call eigenvalues_from_blocks(model, bound, state, lambda)
       call take(bound, lambda)
+      call move_alloc(lambda, bound%lambda)
       call keep_pose(model, state, bound)
    end subroutine renew_bound
 
@@ -130,12 +133,19 @@ contains
 
       integer :: piece
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1)
+      if (model%team%threads == 1) then
+         call inverse_inertias(model, state%poses%quat, 1, model%n_lead, state%poses%ij)
+         do piece = 1, size(model%team%joint, 2)
+            call eigenvalues_of_piece(model, state, bound, model%team%joint(:, piece), lambda)
+         end do
+         return
+      end if
+      !$omp parallel do schedule(static) num_threads(model%team%threads)
       do piece = 1, size(model%team%lead, 2)
          call inverse_inertias(model, state%poses%quat, model%team%lead(1, piece), &
             model%team%lead(2, piece), state%poses%ij)
       end do
-      !$omp parallel do schedule(static) num_threads(model%team%threads) if(model%team%threads > 1)
+      !$omp parallel do schedule(static) num_threads(model%team%threads)
       do piece = 1, size(model%team%joint, 2)
          call eigenvalues_of_piece(model, state, bound, model%team%joint(:, piece), lambda)
       end do
@@ -161,12 +171,14 @@ contains
                j = batch%first + from + i - 1
                w1 = 1.0_wp/(bound%share(1, j)*model%n_end(batch%lead(from + i - 1, 1)))
                w2 = 1.0_wp/(bound%share(2, j)*model%n_end(batch%lead(from + i - 1, 2)))
-               im(i, :) = im(i, :)*[w1, w2]
+               im(i, 1) = im(i, 1)*w1
+               im(i, 2) = im(i, 2)*w2
                ij1(i, :) = ij1(i, :)*w1
                ij2(i, :) = ij2(i, :)*w2
                g = 1.0_wp
                if (batch%geometry%chart == CHART_VECTOR) g = &
-                  spin_up(joint%block(block_of(from))%q(i, 4:6))
+                  spin_up([joint%block(block_of(from))%q(i, 4), &
+                  joint%block(block_of(from))%q(i, 5), joint%block(block_of(from))%q(i, 6)])
                k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
                if (.not. allocated(bound%c)) cycle
                c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
@@ -294,24 +306,50 @@ contains
       type(consistent_state_t), intent(in) :: state
       type(bound_t), intent(inout) :: bound
 
-      integer :: piece, i, j
+      integer :: piece
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) private(i, j) &
-      !$omp if(model%team%threads > 1)
+      if (model%team%threads == 1) then
+         do piece = 1, size(model%team%joint, 2)
+            call keep_piece(model, state, model%team%joint(:, piece), bound)
+         end do
+         return
+      end if
+      !$omp parallel do schedule(static) num_threads(model%team%threads)
       do piece = 1, size(model%team%joint, 2)
-         associate (b => model%team%joint(1, piece))
-            do i = model%team%joint(2, piece), model%team%joint(3, piece)
-               j = model%batch(b)%first + i
-               bound%q(j, :) = state%joint(b)%block(block_of(i))%q(lane_of(i), :)
-               bound%reach(j) = TURN*max(tiny(1.0_wp), &
-                  norm2(model%batch(b)%geometry%arm(i, 1:3)) + &
-                  norm2(model%batch(b)%geometry%arm(i, 4:6)) + norm2(model%batch(b)%xl0(i, :) + &
-                  bound%q(j, 1:3)))
-               if (is_spring(model%batch(b))) bound%rows(:, j) = rows_of(state, b, i)
-            end do
-         end associate
+         call keep_piece(model, state, model%team%joint(:, piece), bound)
       end do
    end subroutine keep_pose
+
+   pure subroutine keep_piece(model, state, piece, bound)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: piece(3)            !! batch, first, last joint
+      type(bound_t), intent(inout) :: bound
+
+      integer :: i, j, k
+
+      associate (b => piece(1), batch => model%batch(piece(1)))
+         do i = piece(2), piece(3)
+            j = batch%first + i
+            do k = 1, 6
+               bound%q(j, k) = state%joint(b)%block(block_of(i))%q(lane_of(i), k)
+            end do
+            associate (arm => batch%geometry%arm, q => bound%q, x => batch%xl0)
+               bound%reach(j) = TURN*max(tiny(1.0_wp), &
+                  length(arm(i, 1), arm(i, 2), arm(i, 3)) + &
+                  length(arm(i, 4), arm(i, 5), arm(i, 6)) + &
+                  length(x(i, 1) + q(j, 1), x(i, 2) + q(j, 2), x(i, 3) + q(j, 3)))
+            end associate
+            if (is_spring(batch)) bound%rows(:, j) = rows_of(state, b, i)
+         end do
+      end associate
+   end subroutine keep_piece
+
+   pure real(wp) function length(x, y, z)
+      real(wp), intent(in) :: x, y, z
+
+      length = sqrt(x**2 + y**2 + z**2)
+   end function length
 
    !> The limits that eigenvalues set; one that is no finite number counts as the largest there is
    subroutine take(bound, lambda)

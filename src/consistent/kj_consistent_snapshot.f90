@@ -118,6 +118,10 @@ contains
          end do
       end associate
       do i = 1, n
+         if (model%rests(from + i - 1)) then
+            f(i, :) = 0.0_wp
+            t(i, :) = 0.0_wp
+         end if
          if (model%hold_of(from + i - 1) == 0) cycle
          held(:, 1) = f(i, :)
          held(:, 2) = t(i, :)

@@ -57,9 +57,11 @@ module kj_consistent_state
       integer, allocatable :: placed(:)
       integer, allocatable :: loose(:, :)        !! (2, n) joint ends whose skew rides elsewhere
       logical, allocatable :: steady(:)          !! (gravity cards) constant: has a potential
-      type(hold_t), allocatable :: hold(:)       !! ascending lead
+      type(hold_t), allocatable :: hold(:)       !! ascending lead; not of those that rest
       integer, allocatable :: hold_to(:)         !! (0:blocks of leads) holds up to that block
       integer, allocatable :: hold_of(:)         !! (n_lead) its conditions, 0 = none
+      logical, allocatable :: rests(:)           !! (n_lead) blocked in all directions: no hold
+      real(wp), allocatable :: turns(:)          !! (n_lead) 0 where it rests, else 1
    end type consistent_model_t
 
    !> The state
@@ -86,6 +88,9 @@ module kj_consistent_state
       type(consistent_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element)
       real(wp), allocatable :: part(:, :)        !! (N_SUM, parts of hubs) their sums
+      !> (n_motion) wanted velocities of the step: mean, and at its end; which motions act
+      real(wp), allocatable :: mean(:), final(:)
+      logical, allocatable :: active(:)
       !> (n_motion) value reached: velocity of an imposed acceleration
       real(wp), allocatable :: motion_at(:)
       !> (3, entries) of concentrated loads

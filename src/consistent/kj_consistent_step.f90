@@ -27,9 +27,6 @@ module kj_consistent_step
    type :: step_t
       logical :: midpoint = .false.                  !! liemid instead of split2
       real(wp) :: h = 0.0_wp
-      !> (n_motion) wanted velocities: mean of the step, and at its end
-      real(wp), allocatable :: mean(:), final(:)
-      logical, allocatable :: active(:)              !! (n_motion)
    end type step_t
 
 contains
@@ -43,14 +40,13 @@ contains
 
       type(step_t) :: step
 
-      associate (n => size(model%motion))
-         allocate (step%mean(n), step%final(n), step%active(n))
-      end associate
       step%midpoint = midpoint
       step%h = h
       state%h = h
-      call motion_targets(model, state, h, step%mean, step%final, step%active)
-      call reach_motions(model, h, step%mean, step%final, step%active, state)
+      if (size(model%motion) > 0) then
+         call motion_targets(model, state, h, state%mean, state%final, state%active)
+         call reach_motions(model, h, state%mean, state%final, state%active, state)
+      end if
       state%cycle = state%cycle + 1
       state%time = state%time + h
       call to_new_pose(MOVE, KICKING, model, step, state)
@@ -68,9 +64,9 @@ contains
       type(step_t) :: step
 
       step%h = h
-      step%mean = target
-      step%final = target
-      step%active = active
+      state%mean = target
+      state%final = target
+      state%active = active
       call to_new_pose(OPEN, NOTHING, model, step, state)
    end subroutine find_forces
 
@@ -173,13 +169,12 @@ contains
 
       do lo = piece(1), piece(2), BLOCK
          hi = min(lo + BLOCK - 1, piece(2))
-         if (has(MOVE)) call move_leads(model, step%midpoint, step%h, step%mean, step%active, &
-            lo, hi, state)
+         if (has(MOVE)) call move_leads(model, step%midpoint, step%h, lo, hi, state)
          if (has(OPEN)) call open_leads(model, step%h, lo, hi, state)
          if (has(GATHERING)) call gather(model, lo, hi, state)
          if (has(WEIGH)) call add_gravity(model, lo, hi, state)
-         if (has(LOOK)) call look_leads(model, step%h, step%final, step%active, lo, hi, state)
-         if (has(KICKING)) call kick_leads(model, step%h, step%final, step%active, lo, hi, state)
+         if (has(LOOK)) call look_leads(model, step%h, lo, hi, state)
+         if (has(KICKING)) call kick_leads(model, step%h, lo, hi, state)
       end do
 
    contains

@@ -3,8 +3,7 @@
 module kj_legacy_body
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
-   use kj_math3, only: cross, rotation
-   use kj_lapack, only: solve_dense
+   use kj_math3, only: cross, rotation, solve_small
    use kj_model, only: model_t
    use kj_legacy_state, only: legacy_state_t, crew_t
    use kj_skew, only: axis_of
@@ -72,7 +71,7 @@ contains
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
 
-      real(wp) :: p(3, 3), j(3, 3), b(3, 3), w(3), m(3), g(3)
+      real(wp) :: p(3, 3), j(3, 3), b(3, 3), a(3, 3), w(3), m(3), g(3)
       integer :: i, lead, dof, n
       logical :: ok
 
@@ -80,6 +79,7 @@ contains
          lead = model%bcs(i)%lead
          if (lead > model%n_body .or. .not. any(model%bcs(i)%fixed(4:6))) cycle
          n = 0
+         b = 0.0_wp
          do dof = 1, 3
             if (model%bcs(i)%fixed(dof + 3)) cycle
             n = n + 1
@@ -91,9 +91,10 @@ contains
          j = matmul(p*spread(state%principal(lead, :), 1, 3), transpose(p))
          w = state%world%w(lead, :)
          m = state%m(lead, :) + state%m_own(lead, :) + cross(matmul(j, w), w)
-         g(:n) = matmul(b(:n, :), m)
-         call solve_dense(n, matmul(matmul(b(:n, :), j), transpose(b(:n, :))), g(:n), ok)
-         if (ok) state%al(lead, :) = matmul(g(:n), b(:n, :))
+         g = matmul(b, m)
+         a = matmul(matmul(b, j), transpose(b))
+         call solve_small(n, a, g, ok)
+         if (ok) state%al(lead, :) = matmul(g, b)
       end do
    end subroutine solve_conditioned
 
