@@ -211,16 +211,32 @@ contains
       integer, intent(in) :: lead
       real(wp), intent(in) :: b(3, 3), u(3)
 
-      real(wp) :: g(3, 3), l(3), w(3), back(3), power
+      real(wp) :: g(3, 3), l(3), w(3), x(3), back(3), power
 
       g = inverse_inertia(model, state, lead)
       l = state%l(lead, :)
       w = matmul(g, l)
+      x = cross(w, l)
+      x = matmul(g, x)
       back = u
-      back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), matmul(g, cross(w, l)))
+      back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), x)
       call drive(1, b, back, [.false., .false., .false.], FIRST_HALF, u, g, l, power)
       state%l(lead, :) = l
    end subroutine lean_back
+
+   !> a b^T
+   pure function times_transposed(a, b) result(c)
+      real(wp), intent(in) :: a(3, 3), b(3, 3)
+      real(wp) :: c(3, 3)
+
+      integer :: i, j
+
+      do j = 1, 3
+         do i = 1, 3
+            c(i, j) = a(i, 1)*b(j, 1) + a(i, 2)*b(j, 2) + a(i, 3)*b(j, 3)
+         end do
+      end do
+   end function times_transposed
 
    !> Change p so that b (g p) = u with g symmetric; power of the driven rows
    pure subroutine drive(n, b, u, drives, part, before, g, p, power)
@@ -236,7 +252,7 @@ contains
       integer :: k
       logical :: ok
 
-      gb = matmul(g, transpose(b))
+      gb = times_transposed(g, b)
       a = matmul(b, gb)
       gp = matmul(g, p)
       impulse = u - matmul(b, gp)
@@ -263,7 +279,7 @@ contains
       integer, intent(in) :: first, last
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: b(3, 3), u(3), power, p(3), g(3, 3)
+      real(wp) :: b(3, 3), u(3), power, p(3), w(3), g(3, 3), j(3, 3)
       logical :: drives(3)
       integer :: i, lead, n
 
@@ -284,7 +300,9 @@ contains
             state%poses%w(lead, :) = 0.0_wp
          else if (n > 0) then
             g = inverse_inertia(model, state, lead)
-            p = matmul(inertia(model, state, lead), state%poses%w(lead, :))
+            w = state%poses%w(lead, :)
+            j = inertia(model, state, lead)
+            p = matmul(j, w)
             call drive(n, b, u, drives, FIRST_HALF, u, g, p, power)
             state%poses%w(lead, :) = matmul(g, p)
          end if
@@ -360,9 +378,10 @@ contains
       integer, intent(in) :: lead
       real(wp) :: p(3, 3)
 
-      real(wp) :: e(9)
+      real(wp) :: e(9), q(4)
 
-      e = columns(state%poses%quat(lead, :))
+      q = state%poses%quat(lead, :)                  ! no strided section: it would be copied
+      e = columns(q)
       p(:, 1) = e(1:3)
       p(:, 2) = e(4:6)
       p(:, 3) = e(7:9)
@@ -374,10 +393,14 @@ contains
       integer, intent(in) :: lead
       real(wp) :: j(3, 3)
 
-      real(wp) :: p(3, 3)
+      real(wp) :: p(3, 3), scaled(3, 3)
+      integer :: k
 
       p = body_matrix(state, lead)
-      j = matmul(p*spread(model%spin_inertia(lead, :), 1, 3), transpose(p))
+      do k = 1, 3
+         scaled(:, k) = p(:, k)*model%spin_inertia(lead, k)
+      end do
+      j = times_transposed(scaled, p)
    end function inertia
 
    pure function inverse_inertia(model, state, lead) result(g)
@@ -386,10 +409,14 @@ contains
       integer, intent(in) :: lead
       real(wp) :: g(3, 3)
 
-      real(wp) :: p(3, 3)
+      real(wp) :: p(3, 3), scaled(3, 3)
+      integer :: k
 
       p = body_matrix(state, lead)
-      g = matmul(p*spread(1.0_wp/model%spin_inertia(lead, :), 1, 3), transpose(p))
+      do k = 1, 3
+         scaled(:, k) = p(:, k)*(1.0_wp/model%spin_inertia(lead, k))
+      end do
+      g = times_transposed(scaled, p)
    end function inverse_inertia
 
    !> After the drift: leads with a single free axis e turn about it exactly, by h e.w; a lead with

@@ -326,6 +326,7 @@ contains
       integer, intent(in) :: piece(3)            !! batch, first, last joint
       type(bound_t), intent(inout) :: bound
 
+      real(wp) :: rows(27)
       integer :: i, j, k
 
       associate (b => piece(1), batch => model%batch(piece(1)))
@@ -340,7 +341,9 @@ contains
                   length(arm(i, 4), arm(i, 5), arm(i, 6)) + &
                   length(x(i, 1) + q(j, 1), x(i, 2) + q(j, 2), x(i, 3) + q(j, 3)))
             end associate
-            if (is_spring(batch)) bound%rows(:, j) = rows_of(state, b, i)
+            if (.not. is_spring(batch)) cycle
+            rows = rows_of(state, b, i)
+            bound%rows(:, j) = rows
          end do
       end associate
    end subroutine keep_piece
@@ -358,9 +361,11 @@ contains
 
       integer :: j
 
-      where (.not. lambda <= huge(1.0_wp)) lambda = huge(1.0_wp)
-      bound%limit = huge(1.0_wp)
-      where (lambda > 0.0_wp) bound%limit = 2.0_wp/sqrt(lambda)
+      do j = 1, size(lambda)
+         if (.not. lambda(j) <= huge(1.0_wp)) lambda(j) = huge(1.0_wp)
+         bound%limit(j) = huge(1.0_wp)
+         if (lambda(j) > 0.0_wp) bound%limit(j) = 2.0_wp/sqrt(lambda(j))
+      end do
       bound%h = huge(1.0_wp)
       bound%joint = 0
       if (size(lambda) == 0) return

@@ -211,22 +211,27 @@ contains
             if (.not. model%bcs(i)%fixed(dof)) cycle
             e = axis_of(state%world%skew, model%bcs(i)%skew, dof)
             if (dof <= 3) then
-               state%a(lead, :) = without(state%a(lead, :), e)
-               state%v(lead, :) = without(state%v(lead, :), e)
+               call take_along(e, lead, state%a)
+               call take_along(e, lead, state%v)
             else
-               state%al(lead, :) = without(state%al(lead, :), e)
-               state%world%w(lead, :) = without(state%world%w(lead, :), e)
+               call take_along(e, lead, state%al)
+               call take_along(e, lead, state%world%w)
             end if
          end do
       end do
    end subroutine hold_conditions
 
-   pure function without(a, e) result(b)
-      real(wp), intent(in) :: a(3), e(3)
+   !> A row loses its component along e
+   pure subroutine take_along(e, row, a)
+      real(wp), intent(in) :: e(3)
+      integer, intent(in) :: row
+      real(wp), contiguous, intent(inout) :: a(:, :)
+
       real(wp) :: b(3)
 
-      b = a - dot_product(a, e)*e
-   end function without
+      b = a(row, :)
+      a(row, :) = b - dot_product(b, e)*e
+   end subroutine take_along
 
    !> Imposed motion: replaces one component of the acceleration, and counts its work. The half of
    !> it that counts with the next step is lost (legacy quirk) where the motion ends before that.

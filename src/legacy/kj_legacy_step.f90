@@ -213,8 +213,14 @@ contains
       type(legacy_state_t), intent(in) :: state
       type(error_t), allocatable, intent(out) :: error
 
-      if (state%h2 > 0.0_wp .and. ieee_is_finite(state%h2) .and. all(state%finite) .and. &
-         all(ieee_is_finite(state%al(model%bcs%lead, 1)))) return
+      logical :: finite
+      integer :: i
+
+      finite = state%h2 > 0.0_wp .and. ieee_is_finite(state%h2) .and. all(state%finite)
+      do i = 1, size(model%bcs)
+         finite = finite .and. ieee_is_finite(state%al(model%bcs(i)%lead, 1))
+      end do
+      if (finite) return
       call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
          str(state%cycle)// &
          ' (the nodal time step is no bound: try a smaller --dt-scale)')
