@@ -237,7 +237,7 @@ def keyword_cases(kjoint):
             case.expected.append(("error", "KJ-9022", f"+1:1-{len(name) + 3}"))
     read = {row.split()[0] for row in table.stdout.splitlines()[1:] if row.split()[1] == "read"}
     aliases = {"/PROP/SPRING", "/PROP/SPR_GENE", "/PROP/TYPE45", "/PROP/KJOINT", "/MAT/LAW0", "/RANDOM/GRNOD",
-               "/PROP/TYPE4", "/PROP/TYPE8", "/TH/PART"}
+               "/PROP/TYPE4", "/PROP/TYPE8", "/PROP/TYPE13", "/TH/PART"}
     base = [line for name in ("base", "full")
             for line in (HERE / f"{name}_0000.rad").read_text().splitlines()]
     missing = [name for name in sorted(read - aliases)
