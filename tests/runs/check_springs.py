@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Springs of /PROP/TYPE4 and TYPE8 against closed forms, under both formulations.
+"""Springs of /PROP/TYPE4 and TYPE8, plastic, failing and switched ones too, against closed forms, under both formulations.
 
 usage: check_springs.py KJOINT WORK_DIR      (needs numpy and h5py; exit 1 on a violation)
 
@@ -88,9 +88,10 @@ def ints(*values):
     return "".join(f"{v:10d}" for v in values)
 
 
-def law(k=0.0, c=0.0, a=0.0, fct1=0, fct4=0, f=0.0, ascale=0.0, hscale=0.0):
+def law(k=0.0, c=0.0, a=0.0, fct1=0, fct4=0, f=0.0, ascale=0.0, hscale=0.0, rule=0, delta_max=0.0):
     """The three cards of one direction"""
-    return reals(k, c, a), ints(fct1, 0, 0, 0, fct4), reals(f, 0.0, ascale, hscale)
+    return (reals(k, c, a), ints(fct1, rule, 0, 0, fct4, 0) + reals(0.0, delta_max),
+            reals(f, 0.0, ascale, hscale))
 
 
 def ring(t, v0, k, m, c):
@@ -103,14 +104,16 @@ M, K, V = 4.0, 400.0, 0.5
 W = np.sqrt(K / M)                                 # 10 rad/s
 
 
-def single(name, cards, h=2e-4, functions=()):
+def single(name, cards, h=2e-4, functions=(), sensor=None):
     """A mass on one TYPE4 spring of mass 2e-6 to the ground, 1 m long, along (2, 1, 2)/3; both ends count half"""
     deck = Deck(name, 1.0, h, 0.01)
     e = np.array([2.0, 1.0, 2.0]) / 3.0
     deck.nodes((1, (1.0, 2.0, 3.0)), (2, np.array([1.0, 2.0, 3.0]) + e))
     for number, points in functions:
         deck.block(f"/FUNCT/{number}", "f", *[reals(*p) for p in points])
-    deck.block("/PROP/TYPE4/1", "spring", reals(2.0e-6), *cards)
+    if sensor:
+        deck.block("/SENSOR/TIME/3", "sensor", reals(sensor[0]))
+    deck.block("/PROP/TYPE4/1", "spring", reals(2.0e-6) + 30 * " " + (ints(3, sensor[1]) if sensor else ""), *cards)
     deck.part(1, (11, 1, 2))
     deck.fix(1)
     deck.mass(2, M - 1.0e-6)
@@ -165,6 +168,38 @@ def gap(formulation):
     check(f"{formulation} gap: half periods", abs(cross - half * np.arange(1, len(cross) + 1)).max(), 2e-5)
     check(f"{formulation} gap: number of them less 2", abs(len(cross) - int(1.0 / half)), 0)
     check(f"{formulation} gap: amplitude", abs(abs(x).max() - g - V / W), 1e-5)
+
+
+def inelastic(formulation):
+    """Plastic (H = 2), failing and switched springs of stiffness K, from rest with 1/2 M V^2 = 0.5"""
+    h = 2e-4
+
+    def motion(name, *args, **more):
+        deck, e = single(name, *args, h=h, **more)
+        run = deck.run(formulation)
+        return run, run["time"][:], run["node/displacement"][:, 0, :] @ e, run["node/velocity"][:, 0, :] @ e
+
+    # yields at 10 = K 0.025 and has 0.375 left for 10 (x - 0.025): to 0.0625; 10^2/(2 K) = 0.125 come back,
+    # v = -0.25, and from 0.0375 down to 0 there is no force
+    yields = [(-1.0, -10.0), (-0.025, -10.0), (0.025, 10.0), (1.0, 10.0)]
+    run, t, x, v = motion("plastic", law(K, fct1=7, rule=2), functions=[(7, yields)])
+    free = (t > 0.40) & (t < 0.50)
+    check(f"{formulation} plastic: farthest", abs(x.max() - 0.0625), 3.2e-5)   # samples, 2.5 m/s^2
+    check(f"{formulation} plastic: comes back", abs(v[free] + 0.25).max(), 5e-4)
+    check(f"{formulation} plastic: no force", abs(run["spring/force"][free, 0, 0]).max(), 0.0)
+    check(f"{formulation} plastic: work", abs(run["spring/internal_energy"][free, 0] - 0.375).max(), 5e-4)
+    # breaks at 0.03, at most v h late: 1/2 K 0.03^2 = 0.18 are lost, v^2 = V^2 - 0.09
+    run, t, x, v = motion("failing", law(K, delta_max=0.03))
+    check(f"{formulation} failing: flies on", abs(v[t > 0.1] - 0.4).max(), 1e-3)
+    check(f"{formulation} failing: took", abs(run["spring/internal_energy"][-1, 0] - 0.18), 2e-3)
+    check(f"{formulation} failing: energy", abs(run["energy_error"][:]).max(), 3e-3)
+    # on at 0.1, at x = 0.05 with V: amplitude (0.05^2 + (V/w)^2)^1/2 about 0; with Isflag 2 V/w about 0.05
+    run, t, x, v = motion("switched", law(K), sensor=(0.1, 0))
+    check(f"{formulation} switched on: amplitude", abs(x.max() - 0.05 * np.sqrt(2.0)), 1e-4)
+    run, t, x, v = motion("rezeroed", law(K), sensor=(0.1, 2))
+    check(f"{formulation} switched on without force: amplitude", abs(x.max() - 0.1), 2e-4)
+    run, t, x, v = motion("released", law(K), sensor=(0.1, 1))
+    check(f"{formulation} switched off: flies on", abs(v[t > 0.11] - V * np.cos(0.1 * W)).max(), 2e-3)
 
 
 def skewed(formulation):
@@ -322,6 +357,7 @@ def limits():
 for formulation in ("consistent", "legacy"):
     oscillators(formulation)
     gap(formulation)
+    inelastic(formulation)
     skewed(formulation)
     torsion(formulation)
     bushings(formulation)
