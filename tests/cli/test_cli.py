@@ -3,6 +3,8 @@
 
 usage: test_cli.py KJOINT [unittest arguments]
 """
+import array
+import fcntl
 import json
 import os
 import pathlib
@@ -13,6 +15,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import unittest
 import xml.etree.ElementTree
@@ -388,6 +391,7 @@ class Diff(Program):
         self.kjoint("diff", "a.h5", "a.h5", "--window", "1:0", code=2)
         self.kjoint("diff", "a.h5", "a.h5", "--metrics", "beauty", code=2)
         self.kjoint("diff", "a.h5", "a.h5", "--rtol", "-1", code=2)
+        self.kjoint("diff", "a.h5", "a.h5", "--rtol", "0")           # the smallest there is
         self.kjoint("diff", "a.h5", "nowhere.h5", code=3)
         self.kjoint("diff", "a.h5", "REV01_0000.rad", code=3)
         self.kjoint("diff", "a.h5", "a.h5", "--junit", "no/where.xml", code=3)
@@ -576,6 +580,21 @@ class Signals(Program):
         self.assertEqual(code, run.returncode)
         self.assertIn("STOPPED BY USER", said)
         self.assertIn("STOPPED BY USER", self.kjoint("info", "REV01.h5").stdout)
+
+    def test_a_second_signal_ends_at_once(self):
+        # blocked, as nobody reads what it traces: the first signal waits for the run, the second not
+        words = [KJOINT, "run", "-q", "REV01_0000.rad", "--until", "1e4", "--sample", "1", "--trace",
+                 "900", "--trace-cycles", "0:1000000"]
+        run = subprocess.Popen(words, cwd=self.folder, stdout=subprocess.PIPE)
+        waiting = array.array("i", [0])
+        while waiting[0] < 32768 and run.poll() is None:
+            fcntl.ioctl(run.stdout, termios.FIONREAD, waiting)
+            time.sleep(0.01)
+        while run.poll() is None:
+            run.send_signal(signal.SIGTERM)
+            time.sleep(0.05)
+        run.stdout.close()
+        self.assertEqual(143, run.returncode)
 
     def test_interrupt_closes_the_history(self):
         self.check("legacy", signal.SIGINT, 130)

@@ -6,6 +6,7 @@ usage: check_reports.py KJOINT      (needs numpy and h5py; exit 1 and a line at 
 import gzip
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -91,6 +92,15 @@ def check_convert(kjoint, folder, time):
         claim(np.array_equal(file["time"][:], time), "convert: time")
         for code, name in GLOBALS.items():
             claim(np.array_equal(file[name][:], (1 + code) * np.cos(time)), f"convert: {name}")
+    # the steps of this file are 8 cos t
+    info = run(kjoint, folder, "info", "A.h5")[1]
+    steps = re.search(r"time step (\S+) to (\S+)", info)
+    claim(steps and abs(float(steps[1]) - 8 * np.cos(1)) < 1e-4 and float(steps[2]) == 8, f"info: {info}")
+    # from a machine of the other byte order
+    columns = {code: (1 + code) * np.cos(time) for code in GLOBALS}
+    write_t01(folder / "OT01", time, columns, ">")
+    status, out, _ = run(kjoint, folder, "diff", "AT01", "OT01", "--profile", "exact")
+    claim(status == 0, f"diff of two byte orders: {out}")
     status, out, _ = run(kjoint, folder, "diff", "AT01", "A.h5", "--profile", "exact")
     claim(status == 0, f"diff of a file with its conversion: {out}")
 

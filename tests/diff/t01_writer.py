@@ -1,4 +1,5 @@
-"""Writes Radioss time histories of type /TFILE/1 that hold globals alone, for the tests here."""
+"""Writes Radioss time histories of type /TFILE/1 that hold globals alone, for the tests here; `order` is that of the
+bytes: < of machines like this one, > of the others."""
 import struct
 
 import numpy as np
@@ -9,9 +10,9 @@ GLOBALS = {1: "internal_energy", 2: "kinetic_energy_trans", 3: "momentum_x", 4: 
            9: "external_work"}
 
 
-def record(payload):
+def record(payload, order="<"):
     """A record of a Fortran unformatted file."""
-    length = struct.pack("<i", len(payload))
+    length = struct.pack(order + "i", len(payload))
     return length + payload + length
 
 
@@ -21,18 +22,18 @@ def title(text, length):
     return b"".join(text[i:i + 4] + b"    " for i in range(0, length, 4))
 
 
-def ints(*values):
-    return struct.pack(f"<{len(values)}i", *values)
-
-
-def write_t01(path, time, columns):
+def write_t01(path, time, columns, order="<"):
     """Write curves: `columns` maps codes of globals to arrays like `time`."""
+
+    def ints(*values):
+        return struct.pack(f"{order}{len(values)}i", *values)
+
     codes = sorted(columns)
-    data = [record(ints(3040) + title("curves", 80)), record(title("", 80)),
-            record(ints(0, 0, 0, 0, 0, len(codes)))]
-    data += [record(ints(*codes))] if codes else []        # no record without content
+    data = [ints(3040) + title("curves", 80), title("", 80), ints(0, 0, 0, 0, 0, len(codes))]
+    data += [ints(*codes)] if codes else []        # no record without content
     for i, t in enumerate(time):
-        data.append(record(struct.pack("<d", t)))
+        data.append(struct.pack(order + "d", t))
         if codes:
-            data.append(record(np.array([columns[c][i] for c in codes], "<f8").tobytes()))
+            data.append(np.array([columns[c][i] for c in codes], order + "f8").tobytes())
+    data = [record(payload, order) for payload in data]
     path.write_bytes(b"".join(data))

@@ -184,6 +184,10 @@ class Models(unittest.TestCase):
         np.testing.assert_array_equal(wanted, found[:len(wanted)])
         self.assertLessEqual(len(found), len(wanted) + 1)        # the last state
 
+    def test_consistent_samples_stand_at_their_times(self):
+        found = kjoint.Model(REV01, until=0.02, sample=0.003).run()["time"]
+        np.testing.assert_array_equal([0.003*i for i in range(7)] + [0.02], found)
+
     def test_islands_add_up_to_the_scene(self):
         # two sliders of 2 and 4 kg, 0.1 s under 3 N each: work F^2 t^2/(2 m) = 0.0225 + 0.01125
         m = kjoint.Mechanism("two")
