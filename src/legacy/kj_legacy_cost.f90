@@ -14,8 +14,10 @@ module kj_legacy_cost
 
    public :: weigh_spins, weigh_rotations, spin_cost, node_drift
 
-   integer, parameter :: EACH = 1000             !! cycles at the start with a look at the spins
-   integer, parameter :: EVERY = 16              !! cycles between two looks later on
+   ! Looks at the spins cost next to nothing: each of the first cycles of a small scene has one, as
+   ! its run may be short; later on, and in large scenes, they are rare.
+   integer, parameter :: EACH = 500, FEW = 16    !! cycles, bodies
+   integer, parameter :: EVERY = 32              !! cycles, and one more for each FEW bodies
 
 contains
 
@@ -29,7 +31,8 @@ contains
       real(wp) :: p(3, 3), w(3), now(3), j(3), dt, energy
       integer :: b
 
-      if (state%cycle > EACH .and. mod(state%cycle, EVERY) /= 0) return
+      if (mod(state%cycle, EVERY + model%n_body/FEW) /= 0 .and. &
+         (state%cycle > EACH .or. model%n_body > FEW)) return
       dt = state%time - state%weighed
       state%weighed = state%time
       do b = 1, model%n_body
