@@ -352,7 +352,9 @@ class Check(Program):
             compare(SOURCE / "tests" / case / f"{case.split('/')[1]}_0000.rad")
         by_inertia = compare("REV01_0000.rad")
         self.deck_with("0.0262512168304855670.0473428526495739760.056405930519940466",
-                       "               1e12                1e12                1e12")
+                       "                1e12                1e12                1e12")
+        self.deck_with("                 0.3                 0.2                0.25",
+                       "                1e12                1e12                1e12")
         by_mass = compare("REV01_0000.rad")
         self.assertGreater(by_mass, 1.01*by_inertia)
 
