@@ -9,11 +9,17 @@ global frame where nothing else is said; six-vectors are tx ty tz rx ry rz. What
 kjoint.Error. The library libkjoint_c is found beside this package, in the paths of the system, or
 as the environment variable KJOINT_LIBRARY says. include/kjoint.h documents every call.
 """
-from ._library import Error, options, version
-from .joints import Joints
-from .mechanism import Mechanism
-from .model import Model
+import importlib
 
-__version__ = version()
+_HOMES = {"Error": "_library", "options": "_library", "version": "_library", "Joints": "joints",
+          "Mechanism": "mechanism", "Model": "model"}
+__all__ = list(_HOMES)
 
-__all__ = ["Error", "Joints", "Mechanism", "Model", "options", "version"]
+
+def __getattr__(name):
+    """The library is loaded with the first that needs it: what reads histories does without."""
+    if name == "__version__":
+        return importlib.import_module("._library", __name__).version()
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)

@@ -7,8 +7,8 @@ module kj_cli
    use kj_recover, only: recover_history
    use kj_new_command, only: new_command
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
-      CMD_CONVERT, CMD_EXPORT, CMD_INFO, CMD_STUDY, CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, &
-      CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, OPT_JSON
+      CMD_CONVERT, CMD_EXPORT, CMD_PLOT, CMD_ANIMATE, CMD_REPORT, CMD_INFO, CMD_STUDY, CMD_EXTRACT, &
+      CMD_WATCH, CMD_RECOVER, CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, OPT_JSON
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -20,6 +20,7 @@ module kj_cli
    use kj_diff_command, only: diff_command, convert_command
    use kj_export_command, only: export_command
    use kj_watch_command, only: watch_command
+   use kj_show_command, only: plot_command, animate_command, report_command
    implicit none
    private
 
@@ -55,7 +56,13 @@ contains
          case (CMD_CONVERT)
             call convert_command(args, command_line(words), error)
          case (CMD_EXPORT)
-            call export_command(args, error)
+            call export_command(args, code, error)
+         case (CMD_PLOT)
+            call plot_command(args, code, error)
+         case (CMD_ANIMATE)
+            call animate_command(args, code, error)
+         case (CMD_REPORT)
+            call report_command(args, code, error)
          case (CMD_INFO)
             call describe_history(args%operand(1)%s, args%given(OPT_JSON), text, error)
             if (.not. allocated(error)) call print_text(text)

@@ -1,6 +1,9 @@
 !> `kjoint diff` and `kjoint convert`: options in, answer out.
 module kj_diff_command
-   use kj_error, only: error_t
+   use kj_error, only: error_t, fail, ERR_FILE
+   use kj_channels, only: CH_TIME
+   use kj_text, only: text_t
+   use kj_python, only: run_python, add_words
    use kj_kinds, only: wp
    use kj_metrics, only: find_metrics
    use kj_diff, only: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, &
@@ -9,12 +12,14 @@ module kj_diff_command
    use kj_output, only: write_output
    use kj_sink_h5, only: sink_h5_t
    use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, &
-      OPT_WINDOW, OPT_CHANNELS, OPT_METRICS, OPT_JUNIT, OPT_RTOL, OPT_STRICT
+      OPT_WINDOW, OPT_PLOT, OPT_CHANNELS, OPT_METRICS, OPT_JUNIT, OPT_RTOL, OPT_STRICT
    use kj_terminal, only: print_text
    implicit none
    private
 
    public :: diff_command, convert_command
+
+   integer, parameter :: MOST_DRAWN = 6          !! channels in the picture of a difference
 
 contains
 
@@ -47,7 +52,41 @@ contains
          call diff_text(result, options, text)
       end if
       call print_text(text)
+      if (args%given(OPT_PLOT)) call plot_worst(args, result, error)
    end subroutine diff_command
+
+   !> Draw the channels that differ most, worst first; at most six
+   !>
+   !> Errors: ERR_FILE when that fails
+   subroutine plot_worst(args, result, error)
+      type(arguments_t), intent(in) :: args
+      type(diff_result_t), intent(in) :: result
+      type(error_t), allocatable, intent(out) :: error
+
+      type(text_t), allocatable :: words(:)
+      character(len=:), allocatable :: place
+      integer :: i, n, code
+
+      call settle_output(args%value(OPT_PLOT)%s, args%operand(:2), place, error)
+      if (allocated(error)) return
+      call add_words(words, 'plot')
+      call add_words(words, '--run', args%operand(1)%s)
+      call add_words(words, '--run', args%operand(2)%s)
+      call add_words(words, '--output', args%value(OPT_PLOT)%s)
+      n = 0
+      do i = 1, result%n_worst
+         associate (c => result%channel(result%worst(i)))
+            if (c%channel == CH_TIME .or. c%run_at == 0) cycle
+            call add_words(words, '--channel', c%name)
+         end associate
+         n = n + 1
+         if (n == MOST_DRAWN) exit
+      end do
+      if (n == 0) call add_words(words, '--channel', 'internal_energy')
+      call run_python(words, code, error)
+      if (code /= 0 .and. .not. allocated(error)) call fail(error, ERR_FILE, &
+         args%value(OPT_PLOT)%s//' was not drawn')
+   end subroutine plot_worst
 
    !> Options of the command line as the library takes them
    subroutine take_options(args, options, error)

@@ -5,12 +5,14 @@ module kj_export_command
    use kj_output, only: settle_output, write_output
    use kj_export, only: export_csv, export_json
    use kj_write_t01, only: write_t01
+   use kj_text, only: text_t
+   use kj_python, only: run_python, add_words
    use kj_option, only: arguments_t, OPT_OUTPUT, OPT_TO, OPT_SEPARATOR, OPT_DECIMAL, OPT_TFILE
    use kj_terminal, only: print_line, print_text
    implicit none
    private
 
-   public :: export_command, channel_names
+   public :: export_command
 
 contains
 
@@ -18,15 +20,18 @@ contains
    !>
    !> Errors: ERR_INPUT for a wrong option or a name that means no channel, ERR_FILE for files that
    !> cannot be read or written.
-   subroutine export_command(args, error)
+   subroutine export_command(args, code, error)
       type(arguments_t), intent(in) :: args
+      integer, intent(out) :: code               !! exit code where there is no error
       type(error_t), allocatable, intent(out) :: error
 
       type(buffer_t) :: text
+      type(text_t), allocatable :: words(:)
       character(len=:), allocatable :: output, place, titles, form
       character :: separator, decimal
       integer :: tfile
 
+      code = 0
       output = '-'
       if (args%given(OPT_OUTPUT)) output = args%value(OPT_OUTPUT)%s
       form = form_of(output)
@@ -49,9 +54,22 @@ contains
             call settle_output(output//'_TITLES', args%operand(:1), titles, error)
             if (.not. allocated(error)) call write_t01(args%operand(1)%s, place, tfile, error)
          end if
+      case ('vtkhdf', 'pvd')
+         if (output == '-' .or. args%n_operand > 1) then
+            call fail(error, ERR_INPUT, &
+               'ParaView gets the whole mechanism, in a file: -o RUN.'//form)
+         else
+            call settle_output(output, args%operand(:1), place, error)
+            if (allocated(error)) return
+            call add_words(words, 'vtk', args%operand(1)%s)
+            call add_words(words, '--to', form)
+            call add_words(words, '--output', output)
+            call run_python(words, code, error)
+         end if
+         return
       case default
          call fail(error, ERR_INPUT, 'what to write is not known from "'//form//'"')
-         error%hint = '--to csv, json or t01; or -o FILE.csv, FILE.json, RUNT01'
+         error%hint = '--to csv, json, t01, vtkhdf or pvd; or -o FILE.csv, RUNT01, RUN.vtkhdf ...'
       end select
       if (allocated(error)) return
       if (form /= 't01' .and. output == '-') then

@@ -17,9 +17,9 @@ module kj_option
       option_real, option_list, did_you_mean
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
-      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_INFO = 7, CMD_LIST = 8, CMD_WATCH = 9, &
-      CMD_RECOVER = 10, CMD_NEW = 11, CMD_HELP = 12, CMD_VERSION = 13, &
-      CMD_EXTRACT = 14
+      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_PLOT = 7, CMD_ANIMATE = 8, CMD_REPORT = 9, &
+      CMD_INFO = 10, CMD_LIST = 11, CMD_WATCH = 12, CMD_RECOVER = 13, CMD_EXTRACT = 14, &
+      CMD_NEW = 15, CMD_HELP = 16, CMD_VERSION = 17
 
    integer, parameter :: MANY = huge(1)         !! operands
 
@@ -45,7 +45,13 @@ module kj_option
       command_t(CMD_CONVERT, 'convert',   'T01',                                1, 1, &
                 'turn a Radioss time history into a kjoint .h5'), &
       command_t(CMD_EXPORT,  'export',    'RUN.h5 [CHANNEL ...]',               1, MANY, &
-                'a history for others: csv, json, Radioss T01'), &
+                'a history for others: csv, json, Radioss T01, ParaView'), &
+      command_t(CMD_PLOT,    'plot',      'RUN.h5 [CHANNEL ...] [OTHER.h5 ...]', 1, MANY, &
+                'channels over time, runs over one another, what differs below'), &
+      command_t(CMD_ANIMATE, 'animate',   'RUN.h5',                             1, 1, &
+                'the moving mechanism as a film, or its picture at a time'), &
+      command_t(CMD_REPORT,  'report',    'RUN.h5 [REF.h5]',                    1, 2, &
+                'one page for a browser: the run, its mechanism, curves, joints'), &
       command_t(CMD_INFO,    'info',      'RUN.h5',                             1, 1, &
                 'what is in a history or T01: worst joints, channels, energies'), &
       command_t(CMD_LIST,    'list',      'joints|keywords|channels',           1, 1, &
@@ -54,14 +60,14 @@ module kj_option
                 'follow a run until it ends, with curves of channels'), &
       command_t(CMD_RECOVER, 'recover',   'RUN.h5',                             1, 1, &
                 'put right the history of a run that was killed'), &
+      command_t(CMD_EXTRACT, 'extract',   'FULL_0000.rad [FULL_0001.rad]',      1, 2, &
+                'the mechanism of a full deck with shells, solids, contacts: a new deck'), &
       command_t(CMD_NEW,     'new',       '[KIND]',                             0, 1, &
                 'write a commented deck to begin with; alone: which there are'), &
       command_t(CMD_HELP,    'help',      '[COMMAND|/KEYWORD|KJ-nnnn]',         0, 1, &
                 'this help, a command, the cards of a keyword, a message explained'), &
       command_t(CMD_VERSION, '--version', '',                                   0, 0, &
-                'print the version'), &
-      command_t(CMD_EXTRACT, 'extract',   'FULL_0000.rad [FULL_0001.rad]',      1, 2, &
-                'the mechanism of a full deck with shells, solids, contacts: a new deck')]
+                'print the version')]
 
    integer, parameter, public :: OPT_OUTPUT = 1, OPT_INPUT = 2, OPT_LEGACY = 3, OPT_REPRODUCIBLE = &
       4, OPT_QUIET = 5, OPT_VERBOSE = 6, OPT_JSON = 7, OPT_PROFILE = 8, OPT_RTOL = 9, OPT_INTERP = &
@@ -69,7 +75,8 @@ module kj_option
       OPT_STIFFNESS = 16, OPT_TRACE = 17, OPT_TRACE_CYCLES = 18, OPT_STRICT = 19, OPT_TO = 20, &
       OPT_SEPARATOR = 21, OPT_DECIMAL = 22, OPT_TFILE = 23, OPT_CHANNELS = 24, &
       OPT_CHECKPOINT = 25, OPT_CHECKPOINT_EVERY = 26, OPT_RESTART = 27, OPT_NEW_FILE = 28, &
-      OPT_LISTING = 29, OPT_LIVE = 30
+      OPT_LISTING = 29, OPT_LIVE = 30, OPT_UNITS = 31, OPT_COLOUR = 32, OPT_AT = 33, &
+      OPT_SECONDS = 34, OPT_PLOT = 35
 
    !> One option of one command or more
    type :: option_t
@@ -83,8 +90,8 @@ module kj_option
 
    type(option_t), parameter :: own_options(*) = [ &
       !        id                short name                   value     commands
-      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert export study extract', &
-               'file to write; default: named as the deck or T01, here; export: stdout'), &
+      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert export study extract plot animate report', &
+               'file to write; default: named as what is read, here; export: stdout'), &
       option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check study', &
                'the starter deck, as Radioss users type it'), &
       option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run check', &
@@ -95,7 +102,7 @@ module kj_option
                'errors and warnings only'), &
       option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check extract', &
                'notes with their cards, a line every /PRINT cycles instead of every 10 s'), &
-      option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info convert list help extract', &
+      option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info extract', &
                'the answer as one JSON object on stdout'), &
       option_t(OPT_PROFILE,      '',   '--profile',           'NAME',   'diff', &
                'exact, repeat 1e-12, platform 1e-9, parity 1e-7 or solver 1e-2'), &
@@ -122,7 +129,7 @@ module kj_option
       option_t(OPT_STRICT,       '',   '--strict',            '',       'diff', &
                'what is not compared counts as different: on one side alone, not a number'), &
       option_t(OPT_TO,           '',   '--to',                'FORMAT', 'export', &
-               'csv, json or t01; default: by the name of FILE, csv on stdout'), &
+               'csv, json, t01, vtkhdf, pvd; default: by the name of FILE, csv on stdout'), &
       option_t(OPT_SEPARATOR,    '',   '--separator',         'CHAR',   'export', &
                'between columns of csv: a character or `tab`; default a comma'), &
       option_t(OPT_DECIMAL,      '',   '--decimal',           'CHAR',   'export', &
@@ -142,7 +149,17 @@ module kj_option
       option_t(OPT_LISTING,      '',   '--listing',           'FILE',   'run', &
                'write a line every /PRINT cycles to a file, in the columns of Radioss'), &
       option_t(OPT_LIVE,         '',   '--live',              '',       'run', &
-               'a history that programs can follow while it grows: h5py swmr=True')]
+               'a history that programs can follow while it grows: h5py swmr=True'), &
+      option_t(OPT_UNITS,        '',   '--units',             'LIST',   'plot', &
+               'to draw in, such as N,mm,ms or kN,m,deg; default: those of the history'), &
+      option_t(OPT_COLOUR,       '',   '--colour',            'LOAD',   'animate', &
+               'of the joints: force, moment or gap; default force'), &
+      option_t(OPT_AT,           '',   '--at',                'T',      'animate', &
+               'time of a .png; default: the last'), &
+      option_t(OPT_SECONDS,      '',   '--seconds',           'S',      'animate', &
+               'length of the film; default 6'), &
+      option_t(OPT_PLOT,         '',   '--plot',              'FILE',   'diff', &
+               'draw the channels that differ most')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)

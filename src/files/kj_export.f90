@@ -2,14 +2,14 @@
 module kj_export
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
-   use kj_units, only: unit_text, D_TIME
+   use kj_units, only: unit_text, dimensions, D_TIME
    use kj_utf8, only: as_utf8, is_plain
    use kj_channels, only: channels, AS_F64, OF_RUN
    use kj_history, only: history_t
    use kj_series, only: series_t, find_series, series_value, series_unit, channel_path, NORM
    use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
    use kj_words, only: buffer_t, add
-   use kj_json_writer, only: json_member, json_pair, json_real, comma
+   use kj_json_writer, only: json_member, json_pair, json_real, json_reals, comma
    implicit none
    private
 
@@ -61,7 +61,8 @@ contains
    end subroutine export_csv
 
    !> One object: title, time, and of each series name, channel, entity, label, component, unit,
-   !> meaning and values; null where a value is not finite. Errors: as export_csv
+   !> its exponents of mass, length and time, meaning and values; null where a value is not finite.
+   !> Errors: as export_csv
    subroutine export_json(path, names, text, error)
       character(len=*), intent(in) :: path, names
       type(buffer_t), intent(out) :: text
@@ -75,7 +76,10 @@ contains
       call read_series(path, names, history, series, time, values, error)
       if (allocated(error)) return
       call add(text, '{'//json_member('history', path)//', '// &
-         json_member('title', trim(history%title))//','//NL//' '// &
+         json_member('title', trim(history%title))//', '// &
+         json_pair('unit_si', json_reals(history%units%si))//', '//json_pair('unit_symbol', &
+         '["'//trim(history%units%symbol(1))//'", "'//trim(history%units%symbol(2))//'", "'// &
+         trim(history%units%symbol(3))//'"]')//','//NL//' '// &
          json_pair('time', '{'//json_member('units', unit_text(D_TIME, history%units))//', '))
       call add_values(time, text)
       call add(text, '},'//NL//' '//json_pair('series', '['))
@@ -141,10 +145,22 @@ contains
          if (history%variable(series%variable)%n_comp > 1) json = json//', '// &
             json_member('component', series%name(index(series%name, '.', back=.true.) + 1:))
          json = json//', '//json_member('units', series_unit(history, series))// &
+            ', '//json_pair('dimension', dimension_json(channels(channel)%dim))// &
+            ', '//json_member('angle', dimensions(channels(channel)%dim)%angle)// &
             ', '//json_member('class', trim(channels(channel)%class))// &
             ', '//json_member('meaning', trim(channels(channel)%meaning))
       end associate
    end function described
+
+   !> Exponents of mass, length and time
+   pure function dimension_json(dim) result(json)
+      integer, intent(in) :: dim                 !! D_ constant
+      character(len=:), allocatable :: json
+
+      associate (e => dimensions(dim)%exponents)
+         json = '['//str(e(1))//', '//str(e(2))//', '//str(e(3))//']'
+      end associate
+   end function dimension_json
 
    subroutine add_values(values, text)
       real(wp), intent(in) :: values(:)

@@ -6,7 +6,7 @@ module kj_reader
    use kj_error, only: error_t, fail, ERR_FILE
    use kj_history, only: history_t
    use kj_text, only: text_t
-   use kj_t01_bytes, only: byte_file_t, open_bytes, read_bytes, close_bytes
+   use kj_t01_bytes, only: byte_file_t, open_bytes, read_bytes, close_bytes, why_not
    use kj_t01, only: t01_reader_t, open_t01, read_t01_rows, close_t01
    use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
       read_run_facts
@@ -97,23 +97,6 @@ contains
       call close_bytes(file)
       if (n == size(head)) is_h5 = all(iand(int(head), 255) == HDF5_MAGIC)
    end subroutine look_at_magic
-
-   !> Why a file cannot be opened, in the words of the system
-   function why_not(path) result(why)
-      character(len=*), intent(in) :: path
-      character(len=:), allocatable :: why
-
-      character(len=300) :: message
-      integer :: unit, status
-
-      message = ''
-      open (newunit=unit, file=path, status='old', action='read', access='stream', &
-         form='unformatted', iostat=status, iomsg=message)
-      if (status == 0) close (unit)
-      why = trim(message(index(message, ': ', back=.true.) + 1:))
-      if (len_trim(why) == 0) why = ' it is no file'
-      why = trim(adjustl(why))
-   end function why_not
 
    !> Read n rows from row `first` on, as history%variable says
    !>

@@ -7,7 +7,7 @@ module kj_t01_bytes
    private
 
    public :: byte_file_t, open_bytes, read_bytes, seek_bytes, byte_position, read_text_line, &
-      is_plain, close_bytes
+      is_plain, close_bytes, why_not
 
    !> An open file; closed by close_bytes
    type :: byte_file_t
@@ -77,6 +77,23 @@ contains
       file%handle = gzopen(path//c_null_char, 'rb'//c_null_char)
       ok = c_associated(file%handle)
    end subroutine open_bytes
+
+   !> Why a file cannot be opened, in the words of the system
+   function why_not(path) result(why)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: why
+
+      character(len=300) :: message
+      integer :: unit, status
+
+      message = ''
+      open (newunit=unit, file=path, status='old', action='read', access='stream', &
+         form='unformatted', iostat=status, iomsg=message)
+      if (status == 0) close (unit)
+      why = trim(message(index(message, ': ', back=.true.) + 1:))
+      if (len_trim(why) == 0) why = ' it is no file'
+      why = trim(adjustl(why))
+   end function why_not
 
    !> Read up to size(bytes) bytes; fewer only at the end of the file, -1 on a damaged file
    subroutine read_bytes(file, bytes, n_read)

@@ -5,7 +5,7 @@ module kj_t01_file
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_t01_bytes, only: byte_file_t, open_bytes, read_bytes, seek_bytes, byte_position, &
-      close_bytes
+      close_bytes, why_not
    use kj_t01_text, only: begin_text, read_descriptor, read_text_record, read_text_reals
    implicit none
    private
@@ -44,7 +44,7 @@ contains
       file%path = path
       call open_bytes(path, file%bytes, ok)
       if (.not. ok) then
-         call fail(error, ERR_FILE, 'cannot open '//path)
+         call fail(error, ERR_FILE, 'cannot open '//path//': '//why_not(path))
          return
       end if
       call read_bytes(file%bytes, head, n)

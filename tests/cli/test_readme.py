@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Run the commands that README.md shows: each line of a ```sh block that begins with `kjoint `.
+"""Run the commands that README.md and docs/howto.md show: each line of a ```sh block that begins with `kjoint `.
 
 usage: test_readme.py KJOINT
 
 They run in order, in one folder that holds a copy of decks/; all must succeed, but for lines that
-end with a comment `# exit N`. Lines that begin with tools/ are left to continuous integration.
+end with a comment `# exit N`. A ```text block right behind is what the last line must print; `...` stands for
+anything. Lines that begin with tools/ are left to continuous integration.
 """
 import os
 import pathlib
@@ -18,13 +19,23 @@ SOURCE = pathlib.Path(os.environ.get("KJOINT_SOURCE_DIR", pathlib.Path(__file__)
 
 
 def commands(text):
-    """Command lines of the sh blocks, and the exit code each announces."""
-    for block in re.findall(r"```(?:sh|bash|console)\n(.*?)```", text, re.S):
+    """Command lines of the sh blocks, the exit code each announces, and what the last one prints."""
+    for block, told in re.findall(r"```(?:sh|bash|console)\n(.*?)```(?:\n+```text\n(.*?)```)?", text, re.S):
+        found = []
         for line in block.replace("\\\n", " ").splitlines():
             line = line.strip().removeprefix("$ ").replace("build/release/kjoint", "kjoint")
             if line.startswith("kjoint "):
                 code = re.search(r"# exit (\d+)", line)
-                yield line.split(" #")[0].strip(), int(code.group(1)) if code else 0
+                found.append([line.split(" #")[0].strip(), int(code.group(1)) if code else 0, ""])
+        if found:
+            found[-1][2] = told
+        yield from found
+
+
+def prints(told, shown):
+    """The text is what is told, where `...` stands for anything."""
+    pattern = ".*".join(re.escape(part) for part in told.strip().split("..."))
+    return re.fullmatch(pattern, shown.strip(), re.S) is not None
 
 
 def main(kjoint):
@@ -34,15 +45,19 @@ def main(kjoint):
         (work / "bin").mkdir()
         (work / "bin" / "kjoint").symlink_to(pathlib.Path(kjoint).resolve())
         shutil.copytree(SOURCE / "decks", work / "decks")
+        documents = [SOURCE / "README.md", SOURCE / "docs" / "howto.md"]
         path = f"{work / 'bin'}{os.pathsep}{os.environ['PATH']}"
-        for line, code in commands((SOURCE / "README.md").read_text()):
-            done = subprocess.run(line, shell=True, cwd=work, env={**os.environ, "PATH": path},
-                                  capture_output=True, text=True, check=False)
+        for line, code, told in [c for d in documents for c in commands(d.read_text())]:
+            done = subprocess.run(line, shell=True, cwd=work, capture_output=True, text=True, check=False,
+                                  env={**os.environ, "PATH": path, "KJOINT_PYTHON": sys.executable})
             n += 1
             if done.returncode != code:
                 status = 1
                 print(f"exit {done.returncode}, not {code}: {line}\n{done.stdout}{done.stderr}")
-    print(f"{n} commands of the README run")
+            elif told and not prints(told, done.stdout):
+                status = 1
+                print(f"{line} prints\n{done.stdout}\nnot\n{told}")
+    print(f"{n} commands of README and howto run")
     return status or n == 0
 
 

@@ -14,6 +14,7 @@ import unittest
 
 import h5py
 import numpy as np
+import PIL.Image
 
 import test_cli
 from test_cli import SOURCE, Program
@@ -40,6 +41,10 @@ class Results(Program):
 
     def short(self):
         pass
+
+    def colours(self, picture):
+        """Different colours of a picture: one of them is a blank page."""
+        return len(np.unique(np.asarray(PIL.Image.open(picture).convert("RGB")).reshape(-1, 3), axis=0))
 
 
 class Export(Results):
@@ -151,6 +156,150 @@ class Export(Results):
             found = json.loads(done.stdout)
             self.assertEqual(done.returncode, found["exit_code"])
             self.assertEqual("error", found["findings"][0]["severity"])
+
+
+class Show(Results):
+    """Pictures, films, pages and files for ParaView, by the Python package."""
+
+    def kjoint(self, *words, code=0, **environment):
+        return super().kjoint(*words, code=code, KJOINT_PYTHON=sys.executable, **environment)
+
+    def soft(self):
+        self.kjoint("run", "-q", CRANK, "--until", "0.02", "--sample", "1e-3", "--kn-scale", "0.3",
+                    "-o", "soft.h5")
+        return self.folder / "soft.h5"
+
+    def test_a_plot_overlays_runs_in_the_units_asked_for(self):
+        self.kjoint("plot", self.run_h5, "joint/force[*pin].norm", self.soft(), "--units", "kN,mm,ms",
+                    "-o", "plot.png")
+        self.assertGreater(self.colours(self.folder / "plot.png"), 50)
+        self.kjoint("plot", self.run_h5, "mass", "-o", "plot.svg")
+        text = (self.folder / "plot.svg").read_text()
+        self.assertIn("mass", text)
+        self.assertIn("there is no channel", self.kjoint("plot", self.run_h5, "joint/forc",
+                                                         code=2).stderr)
+        self.assertIn("no unit", self.kjoint("plot", self.run_h5, "mass", "--units", "stone",
+                                             code=2).stderr)
+
+    def test_units_of_plots_are_those_of_mechanics(self):
+        """1000 Mg mm s-2 are 1 kN; 1 N m is 1000 N mm; pi rad are 180 deg; 1 m/s is 1 mm/ms"""
+        sys.path.insert(0, str(SOURCE / "python"))
+        from kjoint._show import Units
+        si = {"unit_si": [1.0, 1.0, 1.0], "unit_symbol": ["kg", "m", "s"]}
+        mm = {"unit_si": [1e3, 1e-3, 1.0], "unit_symbol": ["Mg", "mm", "s"]}
+
+        def of(history, wanted, power, kind="", angle=False):
+            factor, unit = Units(wanted, history).of({"dimension": power, "class": kind,
+                                                      "angle": angle})
+            return round(factor, 12), unit
+        self.assertEqual((1e-3, "kN"), of(mm, "kN", [1, 1, -2], "force"))
+        self.assertEqual((1e3, "N mm"), of(si, "N,mm", [1, 2, -2], "moment"))
+        self.assertEqual((1e-3, "J"), of(mm, "N,m", [1, 2, -2], "energy"))
+        self.assertEqual((57.295779513082, "deg"), of(si, "deg", [0, 0, 0], "", True))
+        self.assertEqual((1.0, "mm ms\u207b\u00b9"), of(si, "mm,ms", [0, 1, -1]))
+
+    def test_a_difference_is_drawn(self):
+        self.kjoint("diff", self.run_h5, self.soft(), "--plot", "worst.png", code=1)
+        self.assertGreater(self.colours(self.folder / "worst.png"), 50)
+
+    def test_films_and_pictures_move(self):
+        for name in ("film.gif", "film.mp4", "still.png"):
+            self.kjoint("animate", self.run_h5, "-o", name, "--seconds", "0.4")
+            self.assertGreater((self.folder / name).stat().st_size, 5000)
+        with PIL.Image.open(self.folder / "film.gif") as film:
+            self.assertEqual(10, film.n_frames)
+            film.seek(0)
+            first = film.convert("RGB").tobytes()
+            film.seek(5)
+            self.assertNotEqual(first, film.convert("RGB").tobytes())
+        self.assertIn("no such", self.kjoint("animate", "none.h5", code=3).stderr.lower())
+
+    def test_paraview_finds_joints_and_bodies_at_every_time(self):
+        self.kjoint("export", self.run_h5, "-o", "run.vtkhdf")
+        self.kjoint("export", self.run_h5, "-o", "run.pvd")
+        import vtk
+        from vtk.util.numpy_support import vtk_to_numpy
+        temporal, single = vtk.vtkHDFReader(), vtk.vtkXMLPolyDataReader()
+        temporal.SetFileName(str(self.folder / "run.vtkhdf"))
+        temporal.UpdateInformation()
+        with h5py.File(self.run_h5) as run:
+            n = len(run["time"])
+            self.assertEqual(n, temporal.GetNumberOfSteps())
+            for i in (0, n // 2, n - 1):
+                temporal.SetStep(i)
+                temporal.Update()
+                single.SetFileName(str(self.folder / "run" / f"run_{i:05d}.vtp"))
+                single.Update()
+                self.assertEqual(run["time"][i], temporal.GetTimeValue())
+                for grid in (temporal.GetOutputDataObject(0), single.GetOutput()):
+                    points = vtk_to_numpy(grid.GetPoints().GetData())
+                    self.assertTrue(np.array_equal(run["joint/position"][i], points[-4:]))
+                    gap = vtk_to_numpy(grid.GetPointData().GetArray("gap"))
+                    self.assertTrue(np.array_equal(run["joint/violation_trans"][i], gap[-4:]))
+                    self.assertEqual(6 + 4, grid.GetNumberOfCells())   # segments and joints
+        text = (self.folder / "run.pvd").read_text()
+        self.assertEqual(n, text.count("<DataSet "))
+
+    def test_what_is_missing_is_named(self):
+        done = super().kjoint("plot", self.run_h5, "mass", code=2, KJOINT_PYTHON="/usr/bin/python3",
+                              PYTHONPATH=str(self.empty_numpy()))
+        self.assertIn("pip install numpy", done.stderr)
+        done = super().kjoint("plot", self.run_h5, "mass", code=3, KJOINT_PYTHON="/none/python")
+        self.assertIn("KJOINT_PYTHON", done.stderr)
+
+    def empty_numpy(self):
+        """A folder whose numpy cannot be imported."""
+        (self.folder / "numpy").mkdir()
+        (self.folder / "numpy" / "__init__.py").write_text("raise ImportError")
+        return self.folder
+
+
+class Report(Results):
+    """The page in a browser."""
+
+    def test_the_page_shows_the_mechanism_and_moves_it(self):
+        import browser
+        if browser.find() is None:
+            self.skipTest("there is no Chromium")
+        self.kjoint("run", "-q", CRANK, "--until", "0.02", "--sample", "1e-3", "--kn-scale", "0.3",
+                    "-o", "soft.h5")
+        self.kjoint("report", self.run_h5, "soft.h5", "-o", "run.html", KJOINT_PYTHON=sys.executable)
+        with browser.Browser() as page:
+            page.open(self.folder / "run.html")
+            text = page.value("document.body.innerText")
+            for word in ("largest gap", "crank pin (902)", "NORMAL TERMINATION", "DIFFERENT",
+                         "slider_crank_0000.rad", "Kn"):
+                self.assertIn(word, text)
+            first = page.picture("#mechanism")
+            self.assertGreater(self.colours(io.BytesIO(first)), 20, "the canvas is blank")
+            places = "JSON.stringify([0, 1].map(k => document.getElementById('mechanism').data[k].y))"
+            before = page.value(places)
+            page.value("(s => { s.value = s.max; s.dispatchEvent(new Event('input')); })"
+                       "(document.getElementById('slider'))")
+            self.assertNotEqual(before, page.value(places), "the slider moves no body")
+            page.value("new Promise(done => setTimeout(done, 500))")
+            self.assertNotEqual(first, page.picture("#mechanism"), "the picture stands still")
+            with h5py.File(self.run_h5) as run:
+                last = run["joint/position"][-1, :, 1]
+            shown = page.value("document.getElementById('mechanism').data[1].y")
+            self.assertLess(abs(np.array(shown) - last).max(), 1e-5)    # 16 bits of 0.22 m
+            page.value("document.querySelectorAll('#joints tbody tr')[2].click()")
+            self.assertEqual("Curves of wrist pin (903)",
+                             page.value("document.getElementById('curves-of').textContent"))
+            self.assertEqual([], page.errors)
+            self.assertEqual([], [url for url in page.requests
+                                  if not url.startswith(("file:", "data:", "blob:"))])
+
+    def test_a_page_of_2000_samples_and_30_joints_is_below_6_mb(self):
+        sys.path.insert(0, str(SOURCE / "tools"))
+        import bench_scenes
+        bench_scenes.write("chain", 30, self.folder / "chain", until=0.2, sample=1e-4)
+        self.kjoint("run", "-q", "chain_0000.rad")
+        with h5py.File(self.folder / "chain.h5") as run:
+            self.assertGreaterEqual(run["joint/force"].shape[0], 2000)
+            self.assertGreaterEqual(run["joint/force"].shape[1], 30)
+        self.kjoint("report", "chain.h5", KJOINT_PYTHON=sys.executable)
+        self.assertLess((self.folder / "chain.html").stat().st_size, 6e6)
 
 
 if __name__ == "__main__":
