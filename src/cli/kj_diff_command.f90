@@ -9,7 +9,7 @@ module kj_diff_command
    use kj_diff, only: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, &
       diff_json, diff_junit
    use kj_reader, only: convert_t01
-   use kj_output, only: write_output
+   use kj_output, only: settle_output, write_output
    use kj_sink_h5, only: sink_h5_t
    use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, &
       OPT_WINDOW, OPT_PLOT, OPT_CHANNELS, OPT_METRICS, OPT_JUNIT, OPT_RTOL, OPT_STRICT
