@@ -12,7 +12,7 @@ module kj_export_command
    implicit none
    private
 
-   public :: export_command
+   public :: export_command, channel_names
 
 contains
 
