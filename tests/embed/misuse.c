@@ -266,7 +266,7 @@ static void model_level(const char *deck) {
   BAD(kj_model_shape(model, "joint/farce", &n, &e, &c), KJ_INPUT, "no channel");
   BAD(kj_model_series(model, "time", 17, v), KJ_INPUT, "values");
   BAD(kj_model_sample(model), KJ_OK, "");
-  BAD(kj_model_write_history(model, ""), KJ_FILE, "");
+  BAD(kj_model_write_history(model, ""), KJ_INPUT, "no name");
   BAD(kj_model_set_body_velocity(model, 2, (double[3]){1e300, 0, 0}, v), KJ_OK, "");
   BAD(kj_model_advance(model, 1.0), KJ_RUN, "not finite");
   BAD(kj_model_advance(model, 1.0), KJ_INPUT, "ended");
