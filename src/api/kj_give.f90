@@ -1,6 +1,5 @@
 !> Warnings at the end of a run where joints gave way so much that the mechanism moved otherwise
-!> than
-!> the deck means it.
+!> than the deck means it.
 module kj_give
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, str, SEV_WARNING
@@ -17,9 +16,8 @@ module kj_give
 
 contains
 
-   !> One for each joint of the history whose ends moved apart by more than 1 % of its longer arm,
-   !> or
-   !> turned apart by 0.01 rad, in a blocked direction
+   !> One for each joint of the history whose ends moved apart by more than 1 % of its longer
+   !> arm, or turned apart by 0.01 rad, in a blocked direction
    subroutine warn_give(model, history, x, findings)
       type(model_t), intent(in) :: model
       type(history_t), intent(in) :: history
@@ -35,7 +33,8 @@ contains
          arm = longer_arm(model, model%joint(model%th_joint(k))%node)
          title = 'joint '//entity_title(history, OF_JOINT, k)//' gave way by '
          if (x%give(1, k) > MOST*arm .and. arm > 0.0_wp) then
-            call warn(title//percent(x%give(1, k)/arm)//' % of its arm, '//two(x%give(1, k))// &
+            call warn(title//str(nint(min(1.0e9_wp, 100.0_wp*x%give(1, k)/arm)))// &
+               ' % of its arm, '//two(x%give(1, k))// &
                ' of '//two(arm))
          else if (x%give(2, k) > MOST) then
             call warn(title//two(x%give(2, k))//' rad in a blocked rotation')
@@ -70,21 +69,12 @@ contains
       end do
    end function longer_arm
 
+   !> Two digits: "4.1E-02"
    pure function two(value) result(text)
       real(wp), intent(in) :: value
-      character(len=:), allocatable :: text
+      character(len=7) :: text
 
-      character(len=12) :: buffer
-
-      write (buffer, '(es8.1)') value
-      text = trim(adjustl(buffer))
+      write (text, '(es7.1)') value
    end function two
-
-   pure function percent(fraction) result(text)
-      real(wp), intent(in) :: fraction
-      character(len=:), allocatable :: text
-
-      text = str(nint(min(1.0e9_wp, 100.0_wp*fraction)))
-   end function percent
 
 end module kj_give

@@ -19,7 +19,6 @@ module kjoint
    use kj_channels, only: OF_JOINT, OF_BODY, OF_NODE, OF_SPRING
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
-   use kj_text, only: text_t
    use kj_extremes, only: extremes_t
    use kj_sink, only: sink_t
    use kj_sink_memory, only: sink_memory_t
@@ -46,7 +45,7 @@ module kjoint
    public :: run_status_t, simulation_t, monitor_t
    public :: trace_simulation, trace_t, traced_lead_t, TRACE_NAME, TRACE_JOINT, TRACE_SPRING, &
       TRACE_BODY, TRACE_NODE
-   public :: simulation_worst, text_t
+   public :: simulation_worst, extremes_t
    public :: load_simulation, run_simulation, simulation_title, simulation_reach, &
       simulation_options, simulation_checkpoints, default_output
    public :: check_t, limit_row_t, check_simulation
@@ -203,11 +202,11 @@ module kjoint
          type(error_t), allocatable, intent(out) :: error
       end subroutine run_simulation
 
-      !> What gave way most in the samples of the last run: lines for people, and a JSON object
-      module subroutine simulation_worst(sim, lines, json)
+      !> What gave way most in the samples of the last run
+      module subroutine simulation_worst(sim, extremes, owner)
          type(simulation_t), intent(in) :: sim
-         type(text_t), allocatable, intent(out) :: lines(:)
-         character(len=:), allocatable, intent(out) :: json
+         type(extremes_t), intent(out) :: extremes
+         integer, intent(out) :: owner          !! joint that holds the step; 0, -1: none, ever
       end subroutine simulation_worst
 
       !> State at t = 0 with its forces, for a host that steps the scene by itself.

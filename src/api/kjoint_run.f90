@@ -4,7 +4,6 @@ submodule (kjoint) kjoint_run
    use kj_system, only: wall_clock
    use kj_sample, only: sample_row
    use kj_extremes, only: watch_row
-   use kj_worst, only: worst_lines, worst_json
    use kj_give, only: warn_give
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
    use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after
@@ -290,13 +289,10 @@ contains
    end subroutine fill_row
 
    module procedure simulation_worst
-      integer :: owner
-
+      extremes = sim%extremes
       owner = 0
       if (sim%scheme%now%owner_kind == OWNER_JOINT) owner = sim%scheme%now%owner
       if (sim%options%integrator == 'compliant') owner = -1
-      call worst_lines(sim%history, sim%extremes, owner, lines)
-      json = worst_json(sim%history, sim%extremes)
    end procedure simulation_worst
 
    !> Renew the status

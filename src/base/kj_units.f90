@@ -5,7 +5,7 @@ module kj_units
    implicit none
    private
 
-   public :: unit_system_t, dimension_t, factor_of, unit_text, unit_name
+   public :: unit_system_t, dimension_t, factor_of, unit_text
 
    integer, parameter, public :: D_NUMBER = 1, D_LENGTH = 2, D_MASS = 3, D_TIME = 4, D_INERTIA = &
       5, &
@@ -107,45 +107,5 @@ contains
 
       text = unit_field(dim, units)
    end function unit_text
-
-   !> Unit of a dimension as people say it: "kN", "N mm", "J", "N/m"; as unit_text where it has no
-   !> name
-   pure function unit_name(dim, units) result(text)
-      integer, intent(in) :: dim                       !! D_ constant
-      type(unit_system_t), intent(in) :: units
-      character(len=:), allocatable :: text
-
-      character(len=:), allocatable :: force, energy
-
-      text = unit_text(dim, units)
-      if (.not. all(units%si > 0.0_wp)) return         ! not known
-      associate (m => units%si(1), l => units%si(2), t => units%si(3))
-         force = prefixed(m*l/t**2, 'N')
-         energy = prefixed(m*l**2/t**2, 'J')
-      end associate
-      if (dim == D_ANGULAR_VELOCITY) text = 'rad/'//trim(units%symbol(3))
-      if (dim == D_ENERGY .and. len(energy) > 0) text = energy
-      if (len(force) == 0) return
-      if (dim == D_FORCE) text = force
-      if (dim == D_MOMENT) text = force//' '//trim(units%symbol(2))
-      if (dim == D_STIFFNESS) text = force//'/'//trim(units%symbol(2))
-   end function unit_name
-
-   !> A unit with the prefix of its SI value; empty where there is none
-   pure function prefixed(si, name) result(text)
-      real(wp), intent(in) :: si
-      character, intent(in) :: name
-      character(len=:), allocatable :: text
-
-      character, parameter :: PREFIX(-2:3) = ['u', 'm', ' ', 'k', 'M', 'G']
-      integer :: power
-
-      text = ''
-      if (.not. si > 0.0_wp) return
-      power = nint(log10(si)/3.0_wp)
-      if (power < -2 .or. power > 3) return
-      if (abs(si/10.0_wp**(3*power) - 1.0_wp) > 1.0e-6_wp) return
-      text = trim(adjustl(PREFIX(power)//name))
-   end function prefixed
 
 end module kj_units

@@ -16,8 +16,11 @@ module kj_run_command
    use kj_restart_file, only: restart_t
    use kj_keeper, only: start_keeper
    use kj_restart_command, only: continued_sink_t, find_restart, restart_from, continued_path
-   use kjoint, only: text_t, simulation_worst, simulation_t, run_options_t, run_status_t, &
-      load_simulation, run_simulation, simulation_title, default_output
+   use kj_text, only: text_t
+   use kj_worst, only: worst_lines, worst_json
+   use kjoint, only: simulation_worst, simulation_history, history_t, extremes_t, simulation_t, &
+      run_options_t, run_status_t, load_simulation, run_simulation, simulation_title, &
+      default_output
    implicit none
    private
 
@@ -102,8 +105,10 @@ contains
       type(outcome_t), intent(inout) :: outcome
       type(error_t), allocatable, intent(out) :: error
 
+      type(history_t) :: history
+      type(extremes_t) :: extremes
       real(wp) :: started
-      integer :: show
+      integer :: show, owner
 
       outcome%title = trim(simulation_title(sim))
       sink%path = default_output(sim)
@@ -129,7 +134,10 @@ contains
       call end_progress(tracer%progress_t)
       call end_trace(tracer)
       outcome%elapsed = wall_clock() - started
-      call simulation_worst(sim, outcome%worst, outcome%worst_json)
+      call simulation_worst(sim, extremes, owner)
+      history = simulation_history(sim)
+      call worst_lines(history, extremes, owner, outcome%worst)
+      outcome%worst_json = worst_json(history, extremes)
       if (allocated(sink%place)) outcome%history = sink%place
       if (allocated(error)) call say_where(sink, error)
       outcome%verdict = 'NORMAL TERMINATION'

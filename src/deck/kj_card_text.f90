@@ -9,11 +9,24 @@ module kj_card_text
 
 contains
 
-   !> The shortest decimal that reads as the same real; of those that fit the width, the nearest
-   pure function real_text(value, width) result(text)
+   !> 'E-3', nothing for 0
+   pure function integer_exponent(e) result(text)
+      integer, intent(in) :: e
+      character(len=7) :: text
+
+      character(len=6) :: buffer
+
+      text = ''
+      if (e == 0) return
+      write (buffer, '(i0)') e
+      text = 'E'//trim(buffer)
+   end function integer_exponent
+
+   !> The same with blanks behind
+   pure function padded(value, width) result(text)
       real(wp), intent(in) :: value
-      integer, intent(in) :: width               !! 9 or more
-      character(len=:), allocatable :: text
+      integer, intent(in) :: width
+      character(len=40) :: text
 
       character(len=40) :: buffer
       character(len=12) :: form
@@ -30,26 +43,22 @@ contains
          e = index(buffer, 'E')
          mantissa = buffer(:e - 1)
          call parse_integer(buffer(e + 1:), power, status)
-         exponent = integer_exponent(power)
+         exponent = trim(integer_exponent(power))
          if (len(mantissa) + len(exponent) > width) exit
          text = mantissa//exponent
-         call parse_real(text, back, status)
+         call parse_real(trim(text), back, status)
          if (status == NUMBER_FINE .and. abs(back - value) <= 0.0_wp) exit
       end do
+   end function padded
+
+   !> The shortest decimal that reads as the same real; of those that fit the width, the nearest
+   pure function real_text(value, width) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: width               !! 9 or more
+      character(len=len_trim(padded(value, width))) :: text
+
+      text = padded(value, width)
    end function real_text
-
-   !> 'E-3', nothing for 0
-   pure function integer_exponent(e) result(text)
-      integer, intent(in) :: e
-      character(len=:), allocatable :: text
-
-      character(len=6) :: buffer
-
-      text = ''
-      if (e == 0) return
-      write (buffer, '(i0)') e
-      text = 'E'//trim(buffer)
-   end function integer_exponent
 
    !> A real in twenty columns, at least one of them blank
    pure function real_field(value) result(text)

@@ -90,18 +90,28 @@ contains
       history%n_value = history%n_value + v%n_entity*v%n_comp
    end subroutine add_variable
 
+   pure integer function title_length(history, owner, e) result(n)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner, e
+
+      n = len(str(history%entity(owner)%id(e)))
+      if (.not. allocated(history%entity(owner)%label)) return
+      if (.not. allocated(history%entity(owner)%label(e)%s)) return
+      associate (label => history%entity(owner)%label(e)%s)
+         if (len_trim(label) > 0) n = n + len_trim(label) + 3
+      end associate
+   end function title_length
+
    !> An entity as people know it: "pin C (903)"; its user id where it has no label
    pure function entity_title(history, owner, e) result(title)
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner               !! OF_ constant, not of the run
       integer, intent(in) :: e                   !! place among its entities
-      character(len=:), allocatable :: title
+      character(len=title_length(history, owner, e)) :: title
 
       title = str(history%entity(owner)%id(e))
-      if (.not. allocated(history%entity(owner)%label)) return
-      if (.not. allocated(history%entity(owner)%label(e)%s)) return
-      if (len_trim(history%entity(owner)%label(e)%s) > 0) &
-         title = trim(history%entity(owner)%label(e)%s)//' ('//title//')'
+      if (len(title) > len_trim(title)) title = trim(history%entity(owner)%label(e)%s)//' ('// &
+         str(history%entity(owner)%id(e))//')'
    end function entity_title
 
 end module kj_history

@@ -6,6 +6,7 @@
 !> is x y z, w x y z, tx to rz,
 !> or `norm` of a vector; without one: all. * and ? stand for any text and any letter, but for the
 !> stroke between group and dataset. Several names have blanks between them.
+!> One file: the names are made and found by the same rules.
 module kj_series
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
@@ -150,7 +151,7 @@ contains
                   series(n)%variable = v
                   series(n)%entity = e
                   series(n)%comp = k
-                  series(n)%name = series_name(history, variable, e, k)
+                  call take_name(history, variable, e, k, series(n)%name)
                end do
             end do
          end associate
@@ -233,70 +234,118 @@ contains
 
    ! ---- names
 
+   pure integer function path_length(channel) result(n)
+      integer, intent(in) :: channel
+
+      n = len_trim(channels(channel)%name)
+      if (channels(channel)%owner /= OF_RUN) n = n + 1 + &
+         len_trim(groups(channels(channel)%owner)%path)
+   end function path_length
+
    !> "joint/force", "mass"
    pure function channel_path(channel) result(path)
       integer, intent(in) :: channel             !! row of kj_channels
-      character(len=:), allocatable :: path
+      character(len=path_length(channel)) :: path
 
-      path = trim(channels(channel)%name)
+      path = channels(channel)%name
       if (channels(channel)%owner /= OF_RUN) path = trim(groups(channels(channel)%owner)%path)// &
-         '/'//path
+         '/'//channels(channel)%name
    end function channel_path
+
+   pure integer function component_length(n_comp, k) result(n)
+      integer, intent(in) :: n_comp, k
+
+      n = 0
+      if (n_comp == 3 .or. n_comp == 4) n = 1
+      if (n_comp == 6) n = 2
+      if (k == NORM) n = 4
+   end function component_length
 
    !> "x", "w", "rz", "norm"; empty for a single number
    pure function component_name(n_comp, k) result(name)
       integer, intent(in) :: n_comp, k
-      character(len=:), allocatable :: name
+      character(len=component_length(n_comp, k)) :: name
 
-      name = 'norm'
-      if (k == NORM) return
-      name = ''
-      if (n_comp == 3) name = 'xyz' (k:k)
-      if (n_comp == 4) name = 'wxyz' (k:k)
-      if (n_comp == 6) name = DOF_NAME(k)
+      if (k == NORM) then
+         name = 'norm'
+      else if (n_comp == 6) then
+         name = DOF_NAME(k)
+      else if (n_comp == 3) then
+         name = 'xyz' (k:k)
+      else
+         name = 'wxyz' (k:k)
+      end if
    end function component_name
+
+   !> Letters of the label of an entity, 0: it has none
+   pure integer function label_length(history, owner, e) result(n)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner, e
+
+      n = 0
+      if (.not. allocated(history%entity(owner)%label)) return
+      if (allocated(history%entity(owner)%label(e)%s)) n = &
+         len_trim(history%entity(owner)%label(e)%s)
+   end function label_length
 
    pure function label_of(history, owner, e) result(label)
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner, e
-      character(len=:), allocatable :: label
+      character(len=label_length(history, owner, e)) :: label
 
       label = ''
-      if (.not. allocated(history%entity(owner)%label)) return
-      if (allocated(history%entity(owner)%label(e)%s)) label = &
-         trim(history%entity(owner)%label(e)%s)
+      if (len(label) > 0) label = history%entity(owner)%label(e)%s
    end function label_of
+
+   !> Whether an entity goes by its label: no other has that
+   pure logical function has_own_label(history, owner, e) result(own)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner, e
+
+      integer :: i
+
+      own = .false.
+      if (label_length(history, owner, e) == 0) return
+      if (size(history%entity(owner)%id) > MOST_LABELS) return
+      do i = 1, size(history%entity(owner)%id)
+         if (i /= e .and. label_of(history, owner, i) == label_of(history, owner, e)) return
+      end do
+      own = .true.
+   end function has_own_label
+
+   pure integer function entity_length(history, owner, e) result(n)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: owner, e
+
+      n = len(str(history%entity(owner)%id(e)))
+      if (has_own_label(history, owner, e)) n = label_length(history, owner, e)
+   end function entity_length
 
    !> What a person calls an entity: its label where only one has that, else its user id
    pure function entity_name(history, owner, e) result(name)
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner               !! OF_ constant, not of the run
       integer, intent(in) :: e                   !! place among its entities
-      character(len=:), allocatable :: name
+      character(len=entity_length(history, owner, e)) :: name
 
-      integer :: i
-
-      name = label_of(history, owner, e)
-      if (len(name) > 0 .and. size(history%entity(owner)%id) <= MOST_LABELS) then
-         do i = 1, size(history%entity(owner)%id)
-            if (i /= e .and. label_of(history, owner, i) == name) exit
-         end do
-         if (i > size(history%entity(owner)%id)) return
+      if (has_own_label(history, owner, e)) then
+         name = label_of(history, owner, e)
+      else
+         name = str(history%entity(owner)%id(e))
       end if
-      name = str(history%entity(owner)%id(e))
    end function entity_name
 
-   pure function series_name(history, variable, e, k) result(name)
+   pure subroutine take_name(history, variable, e, k, name)
       type(history_t), intent(in) :: history
       type(variable_t), intent(in) :: variable
       integer, intent(in) :: e, k
-      character(len=:), allocatable :: name
+      character(len=:), allocatable, intent(out) :: name
 
       name = channel_path(variable%channel)
       if (channels(variable%channel)%owner /= OF_RUN) name = name//'['// &
          entity_name(history, channels(variable%channel)%owner, e)//']'
       if (variable%n_comp > 1) name = name//'.'//component_name(variable%n_comp, k)
-   end function series_name
+   end subroutine take_name
 
    !> Say why a name means nothing, and what there is
    subroutine explain(history, name, pattern, error)
@@ -381,7 +430,8 @@ contains
    pure function series_unit(history, series) result(text)
       type(history_t), intent(in) :: history
       type(series_t), intent(in) :: series
-      character(len=:), allocatable :: text
+      character(len=len(unit_text(channels(history%variable(series%variable)%channel)%dim, &
+         history%units))) :: text
 
       text = unit_text(channels(history%variable(series%variable)%channel)%dim, history%units)
    end function series_unit

@@ -4,8 +4,8 @@ module kj_worst
    use kj_error, only: str
    use kj_text, only: text_t, append_text
    use kj_json_writer, only: json_member, json_real
-   use kj_units, only: unit_name, D_LENGTH, D_FORCE, D_MOMENT, D_ANGLE, D_ANGULAR_VELOCITY, &
-      D_STIFFNESS
+   use kj_units, only: unit_system_t, unit_text, D_LENGTH, D_FORCE, D_MOMENT, D_ANGLE, &
+      D_ANGULAR_VELOCITY, D_ENERGY, D_STIFFNESS
    use kj_channels, only: OF_JOINT
    use kj_history, only: history_t, entity_title
    use kj_extremes, only: extreme_t, extremes_t
@@ -19,8 +19,8 @@ module kj_worst
 
 contains
 
-   !> A line each, in columns: "largest gap     3.91e-6 m  crank pin (902) at t = 0.0213, force 196
-   !> N"
+   !> A line each, in columns:
+   !> "largest gap     3.91e-6 m  crank pin (902) at t = 0.0213, force 196 N"
    subroutine worst_lines(history, x, owner, lines)
       type(history_t), intent(in) :: history
       type(extremes_t), intent(in) :: x
@@ -104,6 +104,46 @@ contains
             ', "force": '//json_real(e%force)//'}'
       end subroutine add
    end function worst_json
+
+   !> Unit of a dimension as people say it: "kN", "N mm", "J", "N/m"; as unit_text where it has no
+   !> name
+   pure function unit_name(dim, units) result(text)
+      integer, intent(in) :: dim                       !! D_ constant
+      type(unit_system_t), intent(in) :: units
+      character(len=:), allocatable :: text
+
+      character(len=:), allocatable :: force, energy
+
+      text = unit_text(dim, units)
+      if (.not. all(units%si > 0.0_wp)) return         ! not known
+      associate (m => units%si(1), l => units%si(2), t => units%si(3))
+         force = prefixed(m*l/t**2, 'N')
+         energy = prefixed(m*l**2/t**2, 'J')
+      end associate
+      if (dim == D_ANGULAR_VELOCITY) text = 'rad/'//trim(units%symbol(3))
+      if (dim == D_ENERGY .and. len(energy) > 0) text = energy
+      if (len(force) == 0) return
+      if (dim == D_FORCE) text = force
+      if (dim == D_MOMENT) text = force//' '//trim(units%symbol(2))
+      if (dim == D_STIFFNESS) text = force//'/'//trim(units%symbol(2))
+   end function unit_name
+
+   !> A unit with the prefix of its SI value; empty where there is none
+   pure function prefixed(si, name) result(text)
+      real(wp), intent(in) :: si
+      character, intent(in) :: name
+      character(len=:), allocatable :: text
+
+      character, parameter :: PREFIX(-2:3) = ['u', 'm', ' ', 'k', 'M', 'G']
+      integer :: power
+
+      text = ''
+      if (.not. si > 0.0_wp) return
+      power = nint(log10(si)/3.0_wp)
+      if (power < -2 .or. power > 3) return
+      if (abs(si/10.0_wp**(3*power) - 1.0_wp) > 1.0e-6_wp) return
+      text = trim(adjustl(PREFIX(power)//name))
+   end function prefixed
 
    !> Three digits: 0.0213, 196, 3.91e-6
    function few(value) result(text)
