@@ -127,6 +127,8 @@ contains
       fixed%kn = options%kn
       fixed%islands = options%islands
       fixed%ignore_unsupported = options%ignore_unsupported
+      fixed%mechanism = options%mechanism
+      fixed%set = options%set
       call write_run_options(fixed, head%options)
       do i = 1, size(history%input_text)
          if (history%input_role(i)%s /= 'engine') call add_text(sum, history%input_text(i)%s)

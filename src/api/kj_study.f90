@@ -118,7 +118,8 @@ contains
       call find_orders(study)
       do i = 1, MOST_FORETOLD
          call foretell(given%wanted, study, found)
-         if (.not. found .or. watcher%wants_stop()) exit
+         if (.not. found) exit
+         if (watcher%wants_stop()) exit
          associate (last => study%trial(size(study%trial)))
             call one_trial(starter, engine, run%sample, study%reach, watcher, reference, truth, &
                sink, last)
