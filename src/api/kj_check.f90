@@ -33,6 +33,10 @@ module kj_check
       integer :: n_redundant = 0                  !! blocked rows that repeat others; -1: too many
       real(wp) :: factor = 0.0_wp                 !! on the critical step, of deck or options
       integer :: safe_joint = 0                   !! joint or spring that holds it, 0 = none
+      real(wp) :: cycles = 0.0_wp                 !! of a run, about
+      real(wp) :: seconds = 0.0_wp                !! that it takes by the pace of its first cycles
+      real(wp) :: samples = 0.0_wp                !! that it writes, each of `values` numbers
+      integer :: values = 0
       real(wp), allocatable :: island_step(:)     !! safe steps of islands; huge: none
       ! joints in deck order, then springs in deck order
       integer, allocatable :: joint(:), property(:)   !! (n_joint)

@@ -26,7 +26,7 @@ module kj_run_option
       logical :: ignore_unsupported = .false., mechanism = .false.
       character(len=MOST_TEXT) :: set = ''      !! name=value,name=value
       integer :: threads = 1, least_share = 500
-      logical :: islands = .false., fast = .false.
+      logical :: islands = .false., fast = .false., force = .false.
    end type run_options_t
 
    !> Kinds of values; a flag is 1 or 0 in a text
@@ -87,7 +87,9 @@ module kj_run_option
       run_option_t('least_share',        AN_INTEGER, 1.0_wp,     'N',    'run',             '500', &
                    '', 'joints or bodies that a thread needs to be worth it'), &
       run_option_t('islands',            A_FLAG,     0.0_wp,     '',     'run',             '', &
-                   '', 'parts that do not act on each other take their own time steps')]
+                   '', 'parts that do not act on each other take their own time steps'), &
+      run_option_t('force',              A_FLAG,     0.0_wp,     '',     'run',             '', &
+                   '', 'run even where it takes more than 1e12 cycles')]
 
    !> The value of one option
    type :: value_t
@@ -195,6 +197,7 @@ contains
       case ('threads'); call whole_number(options%threads)
       case ('least_share'); call whole_number(options%least_share)
       case ('islands'); call flag(options%islands)
+      case ('force'); call flag(options%force)
       case default
          call fail(error, ERR_INTERNAL, 'no component '//run_options(row)%name)
       end select

@@ -78,6 +78,7 @@ module kjoint
       real(wp) :: mass = 0.0_wp                 !! of all
       integer :: n_joint = 0, n_body = 0, n_node = 0, n_spring = 0
       real(wp) :: joint_cycles = 0.0_wp         !! steps of all joints so far
+      real(wp) :: cycles_to_go = 0.0_wp         !! to the end of the run, about, as it began
       integer :: n_island = 0                   !! of a run by islands; 0: all on one step
       integer :: n_part = 1                     !! groups of islands that share a step
       integer :: least_cycle = 0                !! cycles of the part with the fewest
@@ -417,10 +418,14 @@ module kjoint
          logical :: holds
       end function holds_engine
 
-      !> Joints, bodies and time-step limits of a loaded scene, as they are at its start
-      module subroutine check_simulation(sim, report)
+      !> Joints, bodies and time-step limits of a loaded scene, as they are at its start, and how
+      !> long a run takes.
+      !>
+      !> Errors: what a run ends with in its first cycles.
+      module subroutine check_simulation(sim, report, error)
          type(simulation_t), intent(in) :: sim
          type(check_t), intent(out) :: report
+         type(error_t), allocatable, intent(out) :: error
       end subroutine check_simulation
 
       !> What a loaded scene was told, with what the formulation decides

@@ -7,13 +7,16 @@ submodule (kjoint) kjoint_check
    use kj_model, only: model_t
    use kj_consistent_state, only: consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
-   use kj_scheme, only: critical_factor
+   use kj_scheme, only: critical_factor, scheme_t, start_scheme, go_on, is_over
+   use kj_forecast, only: refuse_years
+   use kj_system, only: wall_clock
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_islands, only: find_islands, island_steps
    use kj_consistent_nodal_step, only: nodal_bound, exact_bound
    use kj_consistent_compliant_check, only: compliant_outlook
    implicit none
 
+   real(wp), parameter :: TRY = 0.02_wp          !! [s] of wall clock
    integer, parameter :: MOST_DOFS = 3000        !! of the eigenvalue problem of the whole scene
 
 contains
@@ -28,7 +31,42 @@ contains
       call tell_bodies(sim%model%model_t, report)
       call tell_limits(sim%model%model_t, report)
       report%factor = critical_factor(sim%scheme, sim%model)
+      call try_run(sim, report, error)
    end procedure check_simulation
+
+   !> Begin to run a copy: how long the whole run takes, and what ends it at once
+   subroutine try_run(sim, report, error)
+      type(simulation_t), intent(in) :: sim
+      type(check_t), intent(inout) :: report
+      type(error_t), allocatable, intent(out) :: error
+
+      type(consistent_model_t) :: model
+      type(scheme_t) :: scheme
+      type(error_t), allocatable :: late         ! not told: it depends on the clock
+      real(wp) :: clock, done
+
+      model = sim%model
+      scheme = sim%scheme
+      call start_scheme(model, scheme, error)
+      if (allocated(error)) return
+      call refuse_years(model%model_t, scheme, .false., report%cycles, error)
+      if (allocated(error) .or. is_over(model%model_t, scheme)) return
+      report%values = sim%history%n_value
+      clock = wall_clock()
+      call go_on(model, scheme, error)           ! as many cycles on any machine
+      if (allocated(error)) return
+      do while (.not. (allocated(late) .or. is_over(model%model_t, scheme) .or. &
+         wall_clock() - clock > TRY))
+         call go_on(model, scheme, late)
+      end do
+      done = real(max(1, scheme%now%cycle), wp)
+      call refuse_years(model%model_t, scheme, .false., report%cycles, late)
+      report%cycles = report%cycles + done
+      report%seconds = (wall_clock() - clock)/done*report%cycles
+      report%samples = report%cycles
+      if (model%control%sample > 0.0_wp) report%samples = min(report%cycles, 1.0_wp + &
+         model%control%t_stop/model%control%sample)
+   end subroutine try_run
 
    !> Type, ends, frame, length, stiffness and damping of each joint
    subroutine tell_joints(model, report)

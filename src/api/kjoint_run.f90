@@ -6,6 +6,7 @@ submodule (kjoint) kjoint_run
    use kj_extremes, only: watch_row
    use kj_give, only: warn_give
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
+   use kj_forecast, only: refuse_years
    use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after
    use kj_checkpoint, only: save_scene
    use kj_snapshot, only: OWNER_JOINT
@@ -61,6 +62,8 @@ contains
       clock = wall_clock()
       if (.not. sim%restored) call start_scheme(sim%model, sim%scheme, error)
       sim%restored = .false.
+      if (.not. allocated(error)) call refuse_years(sim%model%model_t, sim%scheme, &
+         sim%options%force, status%cycles_to_go, error)
       if (.not. allocated(error)) call run_samples(sim, sink, monitor, status, clock, stop, error)
       if (.not. allocated(error)) call finish_scheme(sim%model, sim%scheme, error)
       call tell(sim, status)
@@ -140,9 +143,10 @@ contains
 
       integer(int8), allocatable :: left(:)      !! state where the steps began to be cut
       type(error_t), allocatable :: ignored
-      logical :: over
+      logical :: over, sure
 
       stop = .false.
+      sure = .false.
       associate (s => sim%scheme)
          do
             over = is_over(sim%model%model_t, s)
@@ -159,6 +163,11 @@ contains
             end if
             if (over .or. stop .or. allocated(error)) return
             call go_on(sim%model, s, error)
+            if (.not. (allocated(error) .or. sure) .and. s%now%cycle > 1) then   ! on a full step
+               call refuse_years(sim%model%model_t, s, sim%options%force, status%cycles_to_go, &
+                  error)
+               sure = .true.
+            end if
             if (allocated(error)) return
             call tell(sim, status)
             call monitor%tick(status, stop)

@@ -32,6 +32,7 @@ module kj_error
       type(error_t), allocatable :: item(:)      !! (>= n) the first n are set
       integer :: n = 0
       integer :: n_error = 0, n_warning = 0      !! of these, also those beyond the limit
+      integer :: n_left = 0                      !! beyond the limit, counted only
    end type finding_list_t
 
    integer, parameter :: MOST_FINDINGS = 200     !! kept in a list; more are only counted
@@ -75,8 +76,11 @@ contains
 
       if (finding%severity == SEV_ERROR) list%n_error = list%n_error + 1
       if (finding%severity == SEV_WARNING) list%n_warning = list%n_warning + 1
-      if (list%n >= MOST_FINDINGS .and. finding%severity /= SEV_ERROR) return
-      if (list%n >= 2*MOST_FINDINGS) return
+      if (list%n >= 2*MOST_FINDINGS .or. (list%n >= MOST_FINDINGS .and. &
+         finding%severity /= SEV_ERROR)) then
+         list%n_left = list%n_left + 1
+         return
+      end if
       if (.not. allocated(list%item)) allocate (list%item(16))
       if (list%n == size(list%item)) then
          allocate (longer(2*list%n))

@@ -9,6 +9,7 @@ module kj_check_command
    use kj_terminal, only: print_line, may_colour, STDERR
    use kj_render, only: print_findings, print_failure
    use kj_words, only: left, right, counted
+   use kj_progress, only: span_text
    use kj_json_writer, only: json_member, json_pair, json_real, json_reals, json_findings, comma
    use kj_check_limits, only: print_limits, limits_json
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
@@ -43,8 +44,8 @@ contains
       if (.not. allocated(error) .and. allocated(no_end)) call move_alloc(no_end, error)
       code = exit_code(findings, error)
       well = .not. allocated(error) .and. findings%n_error == 0
-      if (well .and. (args%given(OPT_JSON) .or. .not. args%given(OPT_QUIET))) &
-         call check_simulation(sim, report)
+      if (well) call check_simulation(sim, report, error)
+      code = exit_code(findings, error)
       if (args%given(OPT_JSON)) then
          if (allocated(error)) call add_finding(findings, error)
          call print_json(sim, report, well, code, findings)
@@ -89,6 +90,12 @@ contains
          call print_line('   exact       not computed: the scene is too large')
       end if
       call print_compliant(report)
+      if (report%seconds > 0.0_wp) then
+         call print_line('')
+         call print_line('run: about '//amount(report%cycles)//' cycles, '// &
+            amount(report%samples)//' samples of '//str(report%values)//' numbers; '// &
+            span_text(report%seconds)//' at the pace of the first cycles')
+      end if
       call print_line('')
       call print_line('findings: '//counted(findings%n_error, 'error', 'errors')//', '// &
          counted(findings%n_warning, 'warning', 'warnings'))
@@ -232,6 +239,23 @@ contains
       if (step < 0.5_wp*huge(step)) text = number(step)
    end function step_text
 
+   !> A count in three digits: "951", "40600", "1.23E+09"
+   pure function amount(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: text
+
+      character(len=12) :: buffer
+
+      if (value < 1.0e3_wp) then
+         write (buffer, '(i0)') nint(value)
+      else if (value < 1.0e6_wp) then
+         write (buffer, '(i0)') 100*nint(value/100.0_wp)
+      else
+         write (buffer, '(es9.2)') value
+      end if
+      text = trim(adjustl(buffer))
+   end function amount
+
    pure function number(value) result(text)
       real(wp), intent(in) :: value
       character(len=11) :: text
@@ -287,7 +311,10 @@ contains
             ', '//json_pair('spring_step', json_step(report%spring_step))// &
             ', '//json_pair('stiffest_frequency', json_real(report%stiffest))// &
             ', '//json_member('redundant', report%n_redundant)// &
-            ', '//json_member('factor', report%factor))
+            ', '//json_member('factor', report%factor)// &
+            ', '//json_member('cycles', report%cycles)// &
+            ', '//json_member('samples', report%samples)// &
+            ', '//json_member('seconds', report%seconds))
          call print_line(', "joints": [')
          do i = 1, size(report%joint)
             call print_line(joint_json(report, i)//trim(comma(i, size(report%joint))))
@@ -298,7 +325,7 @@ contains
          end do
          call print_line(']')
       end if
-      call print_line(', '//json_pair('findings', json_findings(findings))//'}')
+      call print_line(', '//json_findings(findings)//'}')
    end subroutine print_json
 
    function joint_json(report, j) result(json)

@@ -1,7 +1,7 @@
 !> The program kjoint without its main: command line in, exit code out.
 module kj_cli
    use kj_error, only: error_t, finding_list_t, add_finding
-   use kj_json_writer, only: json_member, json_pair, json_findings
+   use kj_json_writer, only: json_member, json_findings
    use kj_version, only: KJOINT_VERSION
    use kj_info, only: describe_history
    use kj_recover, only: recover_history
@@ -87,7 +87,7 @@ contains
       if (any_is(words, '--json')) then
          call add_finding(findings, error)
          call print_line('{'//json_member('exit_code', code)//', '// &
-            json_pair('findings', json_findings(findings))//'}')
+            json_findings(findings)//'}')
       else
          call print_failure(error, may_colour(STDERR))
       end if

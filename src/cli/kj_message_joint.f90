@@ -149,6 +149,9 @@ module kj_message_joint
       'Stops of rotations are angles in rad. Beyond a turn (for joints with two or three '// &
       'rotations: half a turn) they can hardly be meant so.', &
       'Degrees times 0.0174533 are rad.'), &
+   message_t('KJ-9077', SEV_ERROR, 'an automatic stiffness without a step', &
+      'With Kn = 0 a KJOINT2 takes its blocking stiffness from the time step, and nothing else '// &
+      'in the scene limits that.', 'Give the largest step by /DTIX, or write a Kn.'), &
    message_t('KJ-9118', SEV_ERROR, 'the blocking stiffness is negative', 'Kn holds the blocked directions and must be positive.', &
       'Correct the sign.'), &
    message_t('KJ-9119', SEV_WARNING, 'a joint without a second skew', &

@@ -156,6 +156,9 @@ module kj_message_text
       '/DT/NODA/CST adds mass to nodes and bodies until their step is as wanted. The '// &
       'consistent formulation changes no mass.', &
       'Run with --legacy; with --ignore-unsupported; or lower Kn until the step is as wanted.'), &
+   message_t('KJ-9079', SEV_ERROR, 'a run of years', &
+      'By its end time, its steps and its intervals of samples the run would take more than '// &
+      '1e12 cycles.', 'Lower Kn, take longer intervals or an earlier end; or say --force.'), &
    message_t('KJ-9153', SEV_ERROR, 'histories relative to a frame', &
       'A /TH/NODE may name a skew for its components; frames are not supported.', &
       'Name a skew, or 0.'), &

@@ -14,9 +14,10 @@ module kj_progress
    private
 
    public :: progress_t, start_progress, list_to_file, end_progress, status_now, limiter, &
-      percent, rate
+      percent, rate, span_text
 
    real(wp), parameter :: FIRST = 1.0_wp        !! [s] of wall clock before the first line
+   real(wp), parameter :: LONG = 3600.0_wp      !! [s] a run that takes longer says so at once
    real(wp), parameter :: PAUSE = 0.2_wp        !! [s] of wall clock between two lines
    real(wp), parameter :: SELDOM = 10.0_wp      !! [s], where nobody looks on
 
@@ -36,6 +37,7 @@ module kj_progress
       integer :: unit = -1                      !! of the file of the listing, -1 = none
       real(wp) :: kept = 0.0_wp                 !! wall clock when that was last flushed
       logical :: open = .false.                 !! a status line stands on the terminal
+      logical :: warned = .false.               !! of a long run
    contains
       procedure :: tick
    end type progress_t
@@ -52,6 +54,7 @@ contains
       self%shown = self%started + FIRST - PAUSE
       self%listed = -1
       self%open = .false.
+      self%warned = .false.
    end subroutine start_progress
 
    !> Write the listing to a file, too, a line every /PRINT cycles.
@@ -107,6 +110,10 @@ contains
 
       stop = caught_signal() /= 0
       if (stop) self%stop_code = 128 + caught_signal()
+      if (self%show /= SHOW_NOTHING .and. .not. self%warned .and. status%cycle > 0) then
+         call warn_of_length(self, status)
+         self%warned = .true.
+      end if
       if (self%show == SHOW_NOTHING .and. self%unit == -1) return
       now = wall_clock()
       passed = status%cycle/max(1, status%print_every)
@@ -129,6 +136,45 @@ contains
       end select
       self%listed = passed
    end subroutine tick
+
+   !> A run of more than an hour says so as it begins, by the pace of its first cycles
+   subroutine warn_of_length(self, status)
+      class(progress_t), intent(in) :: self
+      type(run_status_t), intent(in) :: status
+
+      character(len=9) :: cycles
+      real(wp) :: seconds
+
+      seconds = (wall_clock() - self%started)/status%cycle*status%cycles_to_go
+      if (seconds < LONG) return
+      write (cycles, '(es9.1)') status%cycles_to_go
+      call print_error('the run takes about'//cycles//' cycles, at this pace '//span_text(seconds))
+   end subroutine warn_of_length
+
+   !> Seconds in a unit that people count in: "3.0 s", "12 minutes", "5 hours", "3 years"
+   pure function span_text(seconds) result(text)
+      real(wp), intent(in) :: seconds
+      character(len=:), allocatable :: text
+
+      real(wp), parameter :: unit(4) = [60.0_wp, 3600.0_wp, 86400.0_wp, 31557600.0_wp]
+      character(len=7), parameter :: name(4) = ['minutes', 'hours  ', 'days   ', 'years  ']
+      character(len=12) :: number
+      integer :: i
+
+      i = count(seconds >= 2.0_wp*unit)
+      if (i == 0) then
+         write (number, '(f12.1)') seconds
+         text = trim(adjustl(number))//' s'
+         if (text(1:1) == '.') text = '0'//text
+         return
+      end if
+      if (seconds/unit(i) < 9999.5_wp) then
+         write (number, '(i0)') nint(seconds/unit(i))
+      else
+         write (number, '(es8.1)') seconds/unit(i)
+      end if
+      text = trim(adjustl(number))//' '//trim(name(i))
+   end function span_text
 
    !> "42.3 %  t 0.212  dt 1.2E-05 (joint 900)  118k cycles/s  ETA 0:12  energy error 0.01 %"
    function status_line(status, elapsed) result(text)

@@ -256,7 +256,7 @@ contains
                ', '//json_member('wall_output', s%wall_output)
          end associate
       end if
-      call print_line(json//', '//json_pair('findings', json_findings(all_findings))//'}')
+      call print_line(json//', '//json_findings(all_findings)//'}')
    end subroutine print_json
 
 end module kj_run_command

@@ -9,7 +9,7 @@ module kj_study_command
    use kj_terminal, only: print_line, print_error, may_colour, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
-   use kj_json_writer, only: json_member, json_pair, json_findings
+   use kj_json_writer, only: json_member, json_findings
    use kj_study, only: study_options_t, watcher_t, run_study
    use kj_study_table, only: study_t, trial_t
    use kj_study_report, only: print_study, study_json, study_csv, trial_name
@@ -86,7 +86,7 @@ contains
       if (args%given(OPT_JSON)) then
          if (allocated(error)) call add_finding(findings, error)
          if (.not. well) json = '{'//json_member('exit_code', code)//', '// &
-            json_pair('findings', json_findings(findings))//'}'
+            json_findings(findings)//'}'
          call print_line(json)
          return
       end if

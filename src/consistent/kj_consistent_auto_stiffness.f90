@@ -44,7 +44,8 @@ contains
       wanted = min(model%control%dt_max, SHARE*step_of(model, explicit, state))
       if (.not. wanted < NO_STEP) then
          call fail(error, ERR_RUN, 'joint '//str(first_automatic(model))// &
-            ' takes its stiffness from the time step, but nothing limits that: give /DTIX')
+            ' takes its stiffness from the time step, but nothing limits that: give /DTIX', &
+            'KJ-9077')
          return
       end if
       call find_stiffness(explicit, wanted, state, model)

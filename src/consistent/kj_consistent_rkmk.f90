@@ -64,7 +64,7 @@ contains
          call add(WEIGHT(s), stage, total)
       end do
       call move(model, h, x, d, quat, v, l, total, state)
-      state%cycle = state%cycle + 1
+      state%cycle = min(state%cycle, huge(state%cycle) - 1) + 1     ! no more can be counted
       state%time = time + h
       state%work = work
       call project_all(model, final, active, WHOLE, state)

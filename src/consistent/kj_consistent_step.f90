@@ -47,7 +47,7 @@ contains
          call motion_targets(model, state, h, state%mean, state%final, state%active)
          call reach_motions(model, h, state%mean, state%final, state%active, state)
       end if
-      state%cycle = state%cycle + 1
+      state%cycle = min(state%cycle, huge(state%cycle) - 1) + 1     ! no more can be counted
       state%time = state%time + h
       call to_new_pose(MOVE, KICKING, model, step, state)
    end subroutine split_step

@@ -125,14 +125,17 @@ contains
       text = repeat(', ', merge(1, 0, i < n))
    end function comma
 
-   !> A list of objects: severity, id, message, file, line, first, last, text, label, hint
+   !> Members of an object: how many errors and warnings, how many findings were left out, the
+   !> others as objects: severity, id, message, file, line, first, last, text, label, hint
    pure function json_findings(findings) result(json)
       type(finding_list_t), intent(in) :: findings
       character(len=:), allocatable :: json
 
       integer :: i
 
-      json = '['
+      json = json_member('errors', findings%n_error)//', '// &
+         json_member('warnings', findings%n_warning)//', '// &
+         json_member('findings_left_out', findings%n_left)//', "findings": ['
       do i = 1, findings%n
          json = json//json_finding(findings%item(i))//comma(i, findings%n)
       end do

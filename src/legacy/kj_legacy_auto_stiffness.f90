@@ -43,7 +43,8 @@ contains
             if (.not. model%batch(b)%limit%automatic(i)) cycle
             if (.not. h > 0.0_wp) then
                call fail(error, ERR_RUN, 'joint '//str(model%joint(joint_at(model, b, i))%id)// &
-                  ' takes its stiffness from the first step, but nothing limits that: give /DTIX')
+                  ' takes its stiffness from the first step, but nothing limits that: give /DTIX', &
+                  'KJ-9077')
                return
             end if
             state%joint(b)%limit(block_of(i))%k_block(lane_of(i), :) = &

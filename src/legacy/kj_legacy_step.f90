@@ -92,7 +92,7 @@ contains
             state%h2*state%world%w(model%motion(i)%lead, :)
       end do
       call turn_loads(model, state)
-      state%cycle = state%cycle + 1
+      state%cycle = min(state%cycle, huge(state%cycle) - 1) + 1     ! no more can be counted
       state%time = state%time + state%h2
    end subroutine advance
 

@@ -362,6 +362,46 @@ class Check(Program):
         self.assertNotIn("friction", self.kjoint("check", "REV01_0000.rad").stdout)
 
 
+    def test_the_length_of_a_run_is_told(self):
+        # REV01 to 0.0199 with samples every 0.002: one at 0 and ten after it
+        report = json.loads(self.kjoint("check", "--json", "REV01_0000.rad").stdout)
+        run = json.loads(self.kjoint("run", "--json", "REV01_0000.rad").stdout)
+        self.assertAlmostEqual(11, report["samples"], delta=1)
+        self.assertLess(abs(report["cycles"] / run["cycles"] - 1), 0.2)
+        self.assertLess(report["seconds"], 60)
+        self.assertRegex(self.kjoint("check", "REV01_0000.rad").stdout,
+                         r"run: about \d+ cycles, 11 samples of \d+ numbers; \d+\.\d s at the pace")
+
+    def test_what_stops_a_run_at_once_stops_check(self):
+        # KJOINT2 with Kn 0, and nothing that limits the step
+        deck = SOURCE / "tests" / "cli" / "kn0_0000.rad"
+        for words in ([], ["--legacy"]):
+            self.assertIn("nothing limits that", self.kjoint("check", "-q", deck, *words, code=1).stderr)
+            self.assertIn("nothing limits that", self.kjoint("run", "-q", deck, *words, code=1).stderr)
+        self.assertEqual(1, json.loads(self.kjoint("check", "--json", deck, code=1).stdout)["exit_code"])
+
+    def test_a_run_of_years_is_refused(self):
+        for words in (["--sample", "1e-15"], ["--until", "1e14"], ["--until", "1e14", "--legacy"]):
+            for command in ("check", "run"):
+                said = self.kjoint(command, "-q", "REV01_0000.rad", *words, code=2).stderr
+                self.assertRegex(said, r"KJ-9079.* would take +\d\.\dE\+\d\d cycles")
+        # forced, it runs: until its listing is read
+        run = subprocess.Popen([KJOINT, "run", "--force", "REV01_0000.rad", "--until", "1e14"],
+                               cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        lines = [run.stderr.readline() for _ in range(2)]
+        run.kill()
+        run.communicate()
+        self.assertRegex("".join(lines), r"takes about +\d\.\dE\+\d\d cycles, at this pace .* years")
+
+    def test_findings_that_are_left_out_are_counted(self):
+        # 1000 nodes with a letter in a coordinate
+        self.deck_with("/NODE\n", "/NODE\n" + "".join(f"{n:10}                 X.0\n" for n in range(5000, 6000)))
+        said = json.loads(self.kjoint("check", "--json", "REV01_0000.rad", code=2).stdout)
+        self.assertEqual(1000, said["errors"])
+        errors = [f for f in said["findings"] if f["severity"] == "error"]
+        self.assertEqual(1000, len(errors) + said["findings_left_out"])
+
+
 class Diff(Program):
     """The verdicts of diff on whole files; its numbers are tested in tests/diff and tests/unit."""
 

@@ -20,7 +20,7 @@ BASE = dict(ignore_unsupported=1)
 OTHER = dict(formulation="legacy", integrator="liemid", dt_rule="nodal", dt_scale=0.3,
              dt_max_scale=0.01, until=0.01, sample=0.01, energy_limit=1e-12, kn_scale=0.5,
              kn="inf", error=1e-6, turn=0.001, fast=1, ignore_unsupported=0, mechanism=1,
-             set="gone=1", threads=2, least_share=1, islands=1)
+             set="gone=1", threads=2, least_share=1, islands=1, force=1)
 # these go with the integrator compliant alone
 BESIDE = dict.fromkeys(("kn", "error", "turn"), dict(integrator="compliant"))
 # the deck is all mechanism: what is out of scope there is left out with it or without
@@ -28,6 +28,8 @@ MECHANISM = ("mechanism",)
 STATUS = dict(energy_limit=1, ignore_unsupported=2, set=2)
 # these two change the number of threads and no bit; what a scene of three bodies needs beside them
 THREADS = dict(threads=dict(least_share=1), least_share=dict(threads=2))
+# and these no short run: cli/test_cli.py has what force is for
+UNSEEN = {*THREADS, *MECHANISM, "force"}
 
 
 def text_of(options):
@@ -83,7 +85,7 @@ class Options(unittest.TestCase):
                     beside = {**BASE, **BESIDE.get(name, {})}
                     run = side(**{**beside, name: value})
                     without = over_python(**beside) if name in BESIDE else base
-                    self.assertEqual(same(run, without), name in THREADS or name in MECHANISM)
+                    self.assertEqual(same(run, without), name in UNSEEN)
                     arrived = run.options[name]
                     self.assertEqual(arrived if isinstance(value, str) else float(arrived), value)
 
