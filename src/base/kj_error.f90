@@ -35,9 +35,19 @@ module kj_error
       integer :: n_left = 0                      !! beyond the limit, counted only
    end type finding_list_t
 
+   integer, parameter :: MOST_TEXT = 400         !! characters of a card or message that are kept
    integer, parameter :: MOST_FINDINGS = 200     !! kept in a list; more are only counted
 
 contains
+
+   !> The part of a text that a message quotes
+   pure function excerpt(text) result(part)
+      character(len=*), intent(in) :: text
+      character(len=min(len(text), MOST_TEXT)) :: part
+
+      part = text
+      if (len(text) > MOST_TEXT) part(MOST_TEXT - 2:) = '...'
+   end function excerpt
 
    !> Raise an error without a place in a deck
    subroutine fail(error, code, message, id)
@@ -48,7 +58,7 @@ contains
 
       allocate (error)
       error%code = code
-      error%message = message
+      error%message = excerpt(message)
       if (present(id)) error%id = id
    end subroutine fail
 
@@ -61,7 +71,7 @@ contains
       call fail(error, ERR_INPUT, message)
       error%label = label
       error%file = file
-      error%text = text
+      error%text = excerpt(text)
       error%line = line
       error%first = first
       error%last = last

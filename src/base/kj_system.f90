@@ -7,7 +7,7 @@ module kj_system
    implicit none
    private
 
-   public :: rename_file, remove_file, sync_file, absolute_path, host_name, date_time, &
+   public :: file_kind, rename_file, remove_file, sync_file, absolute_path, host_name, date_time, &
       wall_clock, thread_clock
 
    !> struct timespec
@@ -17,7 +17,14 @@ module kj_system
 
    integer(c_int), parameter :: THREAD_CPU = 3_c_int   !! CLOCK_THREAD_CPUTIME_ID of Linux
 
+   !> What a path is
+   integer, parameter, public :: KIND_NONE = 0, KIND_REGULAR = 1, KIND_FOLDER = 2, KIND_OTHER = 3
+
    interface
+      integer(c_int) function c_file_kind(path) bind(c, name='kj_file_kind')
+         import :: c_int, c_char
+         character(kind=c_char), intent(in) :: path(*)
+      end function c_file_kind
       integer(c_int) function c_clock_gettime(clock, time) bind(c, name='clock_gettime')
          import :: c_int, c_time_t
          integer(c_int), value :: clock
@@ -57,6 +64,13 @@ module kj_system
    end interface
 
 contains
+
+   !> What a path is, KIND_ constant; links are followed
+   integer function file_kind(path)
+      character(len=*), intent(in) :: path
+
+      file_kind = int(c_file_kind(path//c_null_char))
+   end function file_kind
 
    !> Give a file another name; a file that has it already is replaced in the same instant
    subroutine rename_file(from, to, done)

@@ -135,6 +135,12 @@ module kj_message_joint
       'The integrator compliant brings the velocities at t = 0 to what the joints '// &
       'allow, as an impact would. The energy that this takes is lost.', &
       'Give velocities that the joints allow; split2 rings instead, and loses about as much.'), &
+   message_t('KJ-9071', SEV_ERROR, 'cards of a joint property are missing', &
+      'A /PROP/KJOINT has cards of stiffness by its type, which all must be there; those of '// &
+      'damping at the end may be missing.', 'Add the cards; blank fields are 0.'), &
+   message_t('KJ-9072', SEV_WARNING, 'cards of damping are missing', &
+      'The last cards of a /PROP/KJOINT hold its damping and may be missing: then there is none.', &
+      'Add the cards, blank where nothing damps.'), &
    message_t('KJ-9073', SEV_WARNING, 'both ends of a joint on one rigid body', &
       'A body is rigid in itself: such a joint does nothing, and what it was to hold is loose.', &
       'Use a node of the other body; a wrong pick in a preprocessor is the usual cause.'), &

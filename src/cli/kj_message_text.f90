@@ -156,6 +156,12 @@ module kj_message_text
       '/DT/NODA/CST adds mass to nodes and bodies until their step is as wanted. The '// &
       'consistent formulation changes no mass.', &
       'Run with --legacy; with --ignore-unsupported; or lower Kn until the step is as wanted.'), &
+   message_t('KJ-9069', SEV_WARNING, 'the deck may be cut', &
+      'Its last line is a card without a line end, and no /END follows.', &
+      'Look whether the last numbers are whole, and write /END.'), &
+   message_t('KJ-9070', SEV_ERROR, 'the deck ends in the middle', &
+      'The last block lacks cards, or the last card its line end, and no /END follows: the '// &
+      'file seems to be cut.', 'Copy the whole file; or complete the block and write /END.'), &
    message_t('KJ-9079', SEV_ERROR, 'a run of years', &
       'By its end time, its steps and its intervals of samples the run would take more than '// &
       '1e12 cycles.', 'Lower Kn, take longer intervals or an earlier end; or say --force.'), &

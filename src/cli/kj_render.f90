@@ -137,8 +137,9 @@ contains
 
       integer :: before, below
 
-      before = width(finding%text, 1, finding%first - 1)
-      below = max(1, width(finding%text, finding%first, finding%last))
+      before = min(finding%first, len(finding%text) + 1)    ! of a long card the end is cut
+      below = max(1, width(finding%text, before, min(finding%last, len(finding%text))))
+      before = width(finding%text, 1, before - 1)
       text = repeat('^', below)
       if (allocated(finding%label)) text = trim(text//' '//finding%label)
       text = repeat(' ', before)//paint(text, '1;'//COLOUR(finding%severity), colours)

@@ -6,7 +6,7 @@
 !> One file: cards that stand once and cards that repeat share cutting, judging and places.
 module kj_cards
    use kj_kinds, only: wp
-   use kj_error, only: SEV_WARNING
+   use kj_error, only: SEV_WARNING, SEV_ERROR
    use kj_units, only: dimensions
    use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_SPRING8, KW_SPRING13
    use kj_card_fields, only: EACH, ONCE, DOFS, ROWS, fields, list_free_dofs, rotational
@@ -19,8 +19,8 @@ module kj_cards
    implicit none
    private
 
-   public :: cards_t, read_cards, real_of, int_of, text_of, is_given, report, rows_t, card_row_t, &
-      read_rows, row_of, report_row
+   public :: cards_t, read_cards, real_of, int_of, text_of, is_given, report, report_cut_deck, &
+      rows_t, card_row_t, read_rows, row_of, report_row
 
    integer, parameter, public :: MOST_FIELDS = 160   !! more than any keyword has
 
@@ -29,6 +29,7 @@ module kj_cards
       integer :: block = 0                      !! index in deck
       integer :: n = 0
       integer :: n_card = 0                     !! cards in the block, title not counted
+      integer :: n_whole = 0                    !! cards that it has when all are there
       character(len=12) :: name(MOST_FIELDS) = ''
       integer :: integer_value(MOST_FIELDS) = 0
       real(wp) :: real_value(MOST_FIELDS) = 0.0_wp   !! in work units
@@ -96,12 +97,29 @@ contains
          if (any(keyword == [KW_KJOINT2, KW_SPRING8, KW_SPRING13])) then
             call list_free_dofs(keyword, joint_type, n_dof, dof)
             call read_dofs(deck, factor, n_dof, dof, cards, n_read)
-            if (keyword == KW_KJOINT2 .and. find_joint_type(joint_type) == 0) return
          end if
-         if (keyword == KW_KJOINT .and. n_read < 3) return
+         if (any(keyword == [KW_KJOINT, KW_KJOINT2])) then
+            if (find_joint_type(joint_type) == 0) n_read = huge(n_read)   ! not known
+         end if
       end associate
-      if (n_read > 0) call report_length(deck, cards, n_read)
+      if (n_read > 0 .and. n_read < huge(n_read)) call report_length(deck, cards, n_read)
+      cards%n_whole = n_read
    end subroutine read_cards
+
+   !> A deck without /END whose last block lacks cards, or the end of its last line, was cut
+   subroutine report_cut_deck(deck, cards)
+      type(deck_t), intent(inout) :: deck
+      type(cards_t), intent(in) :: cards        !! of any block
+
+      character(len=:), allocatable :: name
+
+      if (deck%whole .or. cards%block /= deck%n_block) return
+      if (cards%n_card >= cards%n_whole .and. .not. deck%torn) return
+      name = trim(keywords(deck%block(cards%block)%row)%name)
+      call report_line(deck, deck%n_line, SEV_ERROR, 'KJ-9070', &
+         'the deck ends in the middle of '//name, 'the last line, and no /END', &
+         'complete the block and write /END behind it')
+   end subroutine report_cut_deck
 
    !> Read the cards of one variant
    subroutine read_variant(deck, factor, variant, cards, n_read)

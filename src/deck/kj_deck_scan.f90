@@ -1,6 +1,7 @@
 !> Files -> lines -> blocks. Follows #include, leaves comments out, knows the keywords.
 module kj_deck_scan
-   use kj_error, only: SEV_ERROR, SEV_WARNING, add_at
+   use, intrinsic :: iso_fortran_env, only: int64
+   use kj_error, only: SEV_ERROR, SEV_WARNING, add_at, str
    use kj_keywords, only: keywords, READ_IT, KW_END, KW_SUBMODEL, KW_ENDSUB
    use kj_spelling, only: upper
    use kj_deck_text, only: deck_t, source_t, block_t, submodel_t, add_deck_finding, line_text, &
@@ -13,6 +14,8 @@ module kj_deck_scan
    public :: scan_deck
 
    integer, parameter :: DEEPEST = 50           !! files that include each other
+   integer, parameter :: MOST_FILES = 10000     !! of a deck
+   integer(int64), parameter :: MOST_BYTES = 4_int64*2**30   !! of all of them
    character(len=3), parameter :: BYTE_ORDER_MARK = char(239)//char(187)//char(191)
 
    !> Where the scan stands
@@ -25,6 +28,8 @@ module kj_deck_scan
       integer :: submodel = 0                   !! index in the deck, 0 = none
       integer :: depth = 0                      !! files open
       integer :: open(DEEPEST) = 0              !! their index in the deck
+      integer(int64) :: n_byte = 0              !! read so far
+      logical :: full = .false.                 !! a limit of the deck was met: no more is read
       character(len=:), allocatable :: folder   !! of the first file: includes start there
    end type scan_t
 
@@ -56,6 +61,10 @@ contains
       end if
       call scan_source(source, deck, scan)
       call close_block(deck, scan)
+      deck%whole = scan%ended
+      if (deck%torn .and. .not. deck%whole) call report_line(deck, deck%n_line, SEV_WARNING, &
+         'KJ-9069', 'the last line has no line end, and no /END follows: is the deck cut?', &
+         'the last line', 'write /END behind it')
       if (scan%submodel > 0) call report_line(deck, &
          deck%block(deck%submodel(scan%submodel)%block)%header, SEV_WARNING, 'KJ-9401', &
          'the submodel has no end', 'taken to the end of the deck', 'expected: //ENDSUB')
@@ -69,6 +78,7 @@ contains
 
       integer :: s, number, first, last, next
 
+      scan%n_byte = scan%n_byte + len(source%text)
       call add_source(deck, source, s)
       scan%depth = scan%depth + 1
       scan%open(scan%depth) = s
@@ -81,7 +91,9 @@ contains
          number = number + 1
          call next_line(deck%source(s)%text, first, last, next)
          call take_line(deck, s, number, first, last, scan)
-         if (scan%ended) exit
+         if (scan%ended .or. scan%full) exit
+         if (scan%depth == 1 .and. next > len(deck%source(s)%text)) deck%torn = &
+            scan%in_block .and. last == len(deck%source(s)%text)
          first = next
       end do
       if (scan%depth > 1) scan%ended = .false.
@@ -292,10 +304,14 @@ contains
       end do
       problem = ''
       if (scan%depth == DEEPEST) problem = 'more than 50 files include each other'
+      if (deck%n_source == MOST_FILES) problem = 'the deck includes more than '//str(MOST_FILES)// &
+         ' files'
+      if (scan%n_byte > MOST_BYTES) problem = 'the deck is of more than 4 GiB'
       if (len(problem) == 0) call load_source(path, 'include', source, problem)
       if (len(problem) > 0) then
          call add_file_finding('KJ-9031', 'the included file cannot be read: '//problem, &
             deck%source(s)%path, number, text, n - len(name) + 1, n, deck%findings)
+         if (deck%n_source == MOST_FILES .or. scan%n_byte > MOST_BYTES) scan%full = .true.
          return
       end if
       call scan_source(source, deck, scan)

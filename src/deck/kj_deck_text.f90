@@ -7,6 +7,7 @@ module kj_deck_text
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, add_at, SEV_ERROR, error_t, fail, fail_at, add_finding, &
       ERR_FILE, ERR_INPUT
+   use kj_system, only: file_kind, KIND_FOLDER, KIND_OTHER
    use kj_units, only: unit_system_t, dimensions, factor_of
    use kj_keywords, only: keywords, N_KEYWORD
    implicit none
@@ -67,6 +68,8 @@ module kj_deck_text
       type(submodel_t), allocatable :: submodel(:)  !! (n_submodel)
       integer :: n_submodel = 0
       logical :: readable = .true.              !! .false.: further findings make no sense
+      logical :: whole = .true.                 !! it has an end: /END, or the engine part
+      logical :: torn = .false.                 !! its last line is a card without a line end
       logical :: has_mute = .false.             !! some block is mute
       type(unit_system_t) :: input, work        !! units of the cards, units of the run
       integer :: n_unit = 0
@@ -376,12 +379,18 @@ contains
 
       integer, parameter :: long = selected_int_kind(18)
       character(len=200) :: message
+      character(len=1) :: byte
       integer(long) :: n
       integer :: unit, stat
 
       text = ''
       problem = ''
       message = ''
+      if (any(file_kind(path) == [KIND_FOLDER, KIND_OTHER])) then
+         problem = 'it is no regular file'
+         if (file_kind(path) == KIND_FOLDER) problem = 'it is a folder'
+         return
+      end if
       open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
          status='old', iostat=stat, iomsg=message)
       if (stat /= 0) then
@@ -398,6 +407,9 @@ contains
          if (stat == 0) read (unit, iostat=stat, iomsg=message) text
          if (stat /= 0) problem = 'cannot be read: '//trim(message)
          if (stat /= 0) text = ''
+      else
+         read (unit, iostat=stat) byte          ! those of /proc have no size, but bytes
+         if (stat == 0) problem = 'it is no regular file'
       end if
       close (unit, iostat=stat)
       if (stat /= 0) problem = 'cannot be closed'

@@ -20,6 +20,7 @@ module kj_legacy_step
    use kj_legacy_time_step, only: choose_step, line_rule
    use kj_legacy_auto_stiffness, only: set_blocking
    use kj_legacy_cost, only: weigh_spins
+   use kj_legacy_warnings, only: joint_of_bad_curve
    implicit none
    private
 
@@ -214,16 +215,18 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       logical :: finite
-      integer :: i
+      integer :: i, joint
 
       finite = state%h2 > 0.0_wp .and. ieee_is_finite(state%h2) .and. all(state%finite)
       do i = 1, size(model%bcs)
          finite = finite .and. ieee_is_finite(state%al(model%bcs(i)%lead, 1))
       end do
       if (finite) return
-      call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '// &
-         str(state%cycle)// &
-         ' (the nodal time step is no bound: try a smaller --dt-scale)')
+      call fail(error, ERR_RUN, 'the solution is not finite any more in cycle '//str(state%cycle))
+      error%hint = 'the nodal time step is no bound: try a smaller --dt-scale'
+      joint = joint_of_bad_curve(model)
+      if (joint > 0) error%hint = 'joint '//str(joint)//' has a stiffness curve that the '// &
+         'legacy scheme cannot bear, see the warning: run the consistent formulation'
    end subroutine check_step
 
 end module kj_legacy_step

@@ -13,7 +13,7 @@ module kj_legacy_warnings
    implicit none
    private
 
-   public :: warn_legacy, warn_costs
+   public :: warn_legacy, warn_costs, joint_of_bad_curve
 
    !> Defects of joints, in the order of their warnings
    integer, parameter :: FIRST_SKEW = 1, UNIVERSAL = 2, FALLING = 3, BACKWARD = 4, SHARED = 5, &
@@ -101,6 +101,22 @@ contains
          end select
       end associate
    end function acts_on
+
+   !> User id of a joint whose stiffness curve this scheme cannot bear, 0 = none: one that falls,
+   !> else one that is above f(0) at negative abscissae
+   pure integer function joint_of_bad_curve(model) result(id)
+      type(model_t), intent(in) :: model
+
+      integer :: defect, j
+
+      do defect = FALLING, BACKWARD
+         do j = 1, model%n_joint
+            id = model%joint(j)%id
+            if (acts_on(model, defect, j)) return
+         end do
+      end do
+      id = 0
+   end function joint_of_bad_curve
 
    !> A stiffness curve of the joint falls (with a reduced mass), or is above f(0) at a knot < 0
    pure logical function bad_curve(curves, batch, place, defect) result(bad)

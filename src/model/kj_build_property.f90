@@ -9,9 +9,10 @@ module kj_build_property
    use kj_joint_types, only: joint_types, find_joint_type, known_types, NDOF, DOF_NAME, &
       FRAME_MEAN, FRAME_FIRST, FRAME_CROSS
    use kj_joint_batch, only: KJOINT, KJOINT2, has_friction
-   use kj_keywords, only: KW_KJOINT2
+   use kj_keywords, only: KW_KJOINT, KW_KJOINT2
+   use kj_card_fields, only: fields
    use kj_deck_text, only: deck_t, block_factors
-   use kj_cards, only: cards_t, real_of, int_of, report
+   use kj_cards, only: cards_t, real_of, int_of, report, report_cut_deck
    use kj_draft, only: draft_t, property_t, reference
    implicit none
    private
@@ -33,6 +34,7 @@ contains
       second = draft%deck%block(cards%block)%keyword == KW_KJOINT2
       p%id = draft%deck%block(cards%block)%id
       p%kind = merge(KJOINT2, KJOINT, second)
+      call report_cut_deck(draft%deck, cards)
       p%row = find_joint_type(int_of(cards, 'type'))
       if (p%row == 0) then
          call report(draft%deck, cards, 'type', SEV_ERROR, merge('KJ-0938', 'KJ-0409', second), &
@@ -76,12 +78,39 @@ contains
          call report(draft%deck, cards, 'Kn', SEV_ERROR, 'KJ-9118', &
             'the blocking stiffness is negative', 'expected: a positive stiffness')
       end if
+      call check_cards(draft%deck, cards, p)
       call choose_frame(draft, cards, p)
       do dof = 1, NDOF
          if (joint_types(p%row)%free(dof) == 1) call read_laws(draft, cards, dof, DOF_NAME(dof), p)
       end do
       call convert_functions(draft, cards, p)
    end subroutine read_kjoint
+
+   !> Cards of stiffness must be there; those of damping, which come last, may be missing
+   subroutine check_cards(deck, cards, p)
+      type(deck_t), intent(inout) :: deck
+      type(cards_t), intent(in) :: cards
+      type(property_t), intent(in) :: p
+
+      logical :: mine(size(fields))
+      integer :: needed, most
+
+      mine = fields%keyword == KW_KJOINT .and. fields%variant == joint_types(p%row)%id
+      most = maxval(fields%card, mask=mine)
+      needed = min(most, minval(fields%card, mask=mine .and. fields%name(1:1) == 'C') - 1)
+      if (cards%n_card >= most .or. cards%n_card == 0) return
+      if (cards%n_card >= needed) then
+         call report(deck, cards, 'type', SEV_WARNING, 'KJ-9072', 'cards of damping are '// &
+            'missing: a joint of type '//str(int_of(cards, 'type'))//' has '//str(most)// &
+            ' cards', &
+            'here are '//str(cards%n_card)//'; read as no damping', &
+            'blank cards say that none is meant')
+         return
+      end if
+      call report(deck, cards, 'type', SEV_ERROR, 'KJ-9071', 'a joint of type '// &
+         str(int_of(cards, 'type'))//' has '//str(most)//' cards, here are '// &
+         str(cards%n_card), 'needed: '//str(needed)//'; those of damping may be missing')
+   end subroutine check_cards
 
    !> What /PROP/KJOINT2 has beside. K and C are forces where a function stands; then abscissae are
    !> in input units, and a scale 0 means 1.

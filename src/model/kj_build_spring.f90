@@ -15,7 +15,8 @@ module kj_build_spring
       ISOTROPIC_CURVES, HYSTERETIC, TOTAL_LENGTH, BY_WAY, BY_FORCE, BY_ENERGY, NO_FAILURE
    use kj_keywords, only: KW_SPRING4, KW_SPRING8, KW_SPRING13
    use kj_deck_text, only: deck_t, block_factors
-   use kj_cards, only: cards_t, read_cards, real_of, int_of, is_given, report
+   use kj_cards, only: cards_t, read_cards, real_of, int_of, is_given, report, &
+      report_cut_deck
    use kj_draft, only: draft_t, blocks_of, reference, property_t
    use kj_build_property, only: convert_abscissae
    implicit none
@@ -39,6 +40,7 @@ contains
       allocate (property(size(blocks)))
       do i = 1, size(blocks)
          call read_cards(draft%deck, blocks(i), cards)
+         call report_cut_deck(draft%deck, cards)
          call read_spring(draft, cards, draft%deck%block(blocks(i))%keyword, property(i))
       end do
       call move_alloc(property, draft%properties)

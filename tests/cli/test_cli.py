@@ -402,6 +402,21 @@ class Check(Program):
         self.assertEqual(1000, len(errors) + said["findings_left_out"])
 
 
+    def test_a_falling_curve_is_named_when_it_ends_a_legacy_run(self):
+        # moment 100 N m per rad up to 0.1 rad, then falling; the arm swings past that
+        text = self.starter.read_text()
+        block = text[text.index("/PROP/"):]
+        kn = block.splitlines()[4]
+        self.deck_with(kn, kn[:20] + "                 1.0         7")
+        self.deck_with("/END", "/FUNCT/7\nfalls\n" + "".join(f"{x:20}{y:20}\n" for x, y in (
+            (-1.0, -1.0), (0.0, 0.0), (0.001, 0.1), (1.0, -1000.0))) + "/END")
+        self.engine.write_text(self.engine.read_text().replace("\n0.0199\n", "\n5.0\n"))
+        said = self.kjoint("run", "--legacy", "REV01_0000.rad", code=1).stderr
+        self.assertRegex(said, r"not finite any more in cycle \d+")
+        self.assertNotIn("--dt-scale", said)
+        self.assertIn("has a stiffness curve that the legacy scheme cannot bear", said)
+
+
 class Diff(Program):
     """The verdicts of diff on whole files; its numbers are tested in tests/diff and tests/unit."""
 
@@ -476,6 +491,42 @@ class Errors(Program):
         self.deck_with("       900       101       201", "       900       101       299")
         self.kjoint("run", "--legacy", "REV01_0000.rad", code=2)
         self.assertEqual("old", (self.folder / "REV01.h5").read_text())
+
+    def test_a_deck_cut_in_a_joint_property_is_an_error(self):
+        for case in ("REV01", "UNI01"):
+            text = (SOURCE / "tests" / "parity" / case / f"{case}_0000.rad").read_text()
+            first = text.index("/PROP/")
+            last = text.index("\n/", first) + 1
+            whole = text[:first] + text[last:text.index("/END")] + text[first:last]
+            block = len(whole) - len(text[first:last])
+            self.starter.write_text(whole)             # no /END, as Radioss takes it
+            self.kjoint("check", "-q", "--until", "1", "--sample", "1", "REV01_0000.rad")
+            lines = [block + i for i, c in enumerate(whole[block:]) if c == "\n"]
+            # after the header or a card, at the end of a line without its end, in the last card
+            for cut in [i + 1 for i in lines[1:-1]] + lines[1:] + [lines[-1] - 1, lines[-1] - 9]:
+                self.starter.write_text(whole[:cut])
+                said = self.kjoint("check", "-q", "--until", "1", "--sample", "1", "REV01_0000.rad", code=2)
+                self.assertIn("KJ-9070", said.stderr, f"{case} cut at {cut - block}")
+
+    def test_includes_end(self):
+        for i in range(31):
+            (self.folder / f"{i}.inc").write_text(f"#include {i + 1}.inc\n" * 2)
+        (self.folder / "31.inc").write_text("# nothing\n")
+        self.deck_with("/END", "#include 0.inc\n/END")
+        self.assertIn("more than 10000 files", self.kjoint("check", "REV01_0000.rad", code=3).stderr)
+
+    def test_what_is_no_regular_file_is_not_read(self):
+        os.mkfifo(self.folder / "pipe.inc")
+        self.deck_with("/END", "#include pipe.inc\n/END")
+        self.assertIn("no regular file", self.kjoint("check", "REV01_0000.rad", code=3).stderr)
+        for words in (["pipe.inc", "REV01_0001.rad"], ["/dev/zero", "REV01_0001.rad"]):
+            self.assertIn("no regular file", self.kjoint("check", *words, code=3).stderr)
+
+    def test_an_excerpt_of_a_long_card_is_cut(self):
+        long = "7" * 3000000
+        self.deck_with("/END", f"/RBODY/{long}x\n/{long}\n{long} {long}\n/END")
+        self.assertLess(len(self.kjoint("check", "REV01_0000.rad", code=2).stderr), 20000)
+        self.assertLess(len(self.kjoint("check", "--json", "REV01_0000.rad", code=2).stdout), 20000)
 
     def test_json_gives_findings_as_objects(self):
         self.deck_with("       900       101       201", "       900       101       299")
