@@ -138,7 +138,7 @@ module kj_message_joint
    message_t('KJ-9071', SEV_ERROR, 'cards of a joint property are missing', &
       'A /PROP/KJOINT has cards of stiffness by its type, which all must be there; those of '// &
       'damping at the end may be missing.', 'Add the cards; blank fields are 0.'), &
-   message_t('KJ-9072', SEV_WARNING, 'cards of damping are missing', &
+   message_t('KJ-9072', SEV_WARNING, 'the last cards of a joint are missing', &
       'The last cards of a /PROP/KJOINT hold its damping and may be missing: then there is none.', &
       'Add the cards, blank where nothing damps.'), &
    message_t('KJ-9073', SEV_WARNING, 'both ends of a joint on one rigid body', &

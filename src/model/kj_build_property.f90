@@ -98,13 +98,13 @@ contains
       mine = fields%keyword == KW_KJOINT .and. fields%variant == joint_types(p%row)%id
       most = maxval(fields%card, mask=mine)
       needed = min(most, minval(fields%card, mask=mine .and. fields%name(1:1) == 'C') - 1)
+      if (all(joint_types(p%row)%free == 1)) needed = 2      ! a free joint may have no law at all
       if (cards%n_card >= most .or. cards%n_card == 0) return
       if (cards%n_card >= needed) then
-         call report(deck, cards, 'type', SEV_WARNING, 'KJ-9072', 'cards of damping are '// &
-            'missing: a joint of type '//str(int_of(cards, 'type'))//' has '//str(most)// &
-            ' cards', &
-            'here are '//str(cards%n_card)//'; read as no damping', &
-            'blank cards say that none is meant')
+         call report(deck, cards, 'type', SEV_WARNING, 'KJ-9072', 'the last cards are '// &
+            'missing: a joint of type '//str(int_of(cards, 'type'))//' has '//str(most), &
+            'here are '//str(cards%n_card)//'; the others are read as blank', &
+            'blank cards say that no damping is meant')
          return
       end if
       call report(deck, cards, 'type', SEV_ERROR, 'KJ-9071', 'a joint of type '// &
