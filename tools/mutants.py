@@ -57,7 +57,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/legacy/kj_legacy_cost.f90", "now(1)*(j(2) - j(3))*w(2)*w(3)", "now(1)*(j(3) - j(2))*w(2)*w(3)", "legacy_cost"),
     ("src/legacy/kj_legacy_warnings.f90", "any(x < 0.0_wp .and. scale*(y - y0) > 0.0_wp)", "any(x < 0.0_wp .and. scale*(y - y0) < 0.0_wp)", "bad.joints bad.odd"),
     # consistent
-    ("src/consistent/kj_consistent_body.f90", "state%l(i, k) = state%l(i, k) + 0.5_wp*h*state%t(i, k)", "state%l(i, k) = state%l(i, k) + h*state%t(i, k)", "accuracy.momentum accuracy.HTOP01"),
+    ("src/consistent/kj_consistent_body.f90", "state%l(i, k) + 0.5_wp*h*(model%turns(i)*state%t(i, k))", "state%l(i, k) + h*(model%turns(i)*state%t(i, k))", "accuracy.momentum accuracy.HTOP01"),
     ("src/consistent/kj_consistent_body.f90", "scale = 1.5_wp - 0.5_wp*(q(i, 1)**2", "scale = 1.5_wp - 0.4_wp*(q(i, 1)**2", "accuracy.HTOP01"),
     ("src/consistent/kj_consistent_rkmk.f90", "cross(u, cross(u, w))/12.0_wp", "cross(u, cross(u, w))/2.0_wp", "march"),
     ("src/consistent/kj_consistent_dampers.f90", "state%dissipated(i) + 0.5_wp*h*state%fd(i, k)*state%qd(i, k)", "state%dissipated(i) - 0.5_wp*h*state%fd(i, k)*state%qd(i, k)", "accuracy.ledger physics"),
