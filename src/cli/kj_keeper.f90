@@ -157,11 +157,15 @@ contains
       logical, intent(in) :: ended
       logical, intent(out) :: wanted
 
-      wanted = self%wished .or. take_wish(WISH_CHECKPOINT) .or. &
-         self%cycle - self%last_cycle >= self%every_cycles
-      if (self%every < huge(1.0_wp)) wanted = wanted .or. wall_clock() - self%last >= self%every
-      if (ended) wanted = .not. self%killed .and. (wanted .or. self%at_end .or. self%stopped .or. &
-         self%every < huge(1.0_wp) .or. caught_signal() /= 0)
+      wanted = take_wish(WISH_CHECKPOINT)
+      wanted = wanted .or. self%wished .or. self%cycle - self%last_cycle >= self%every_cycles
+      if (self%every < huge(1.0_wp)) then
+         if (wall_clock() - self%last >= self%every) wanted = .true.
+      end if
+      if (.not. ended) return
+      wanted = wanted .or. self%at_end .or. self%stopped .or. self%every < huge(1.0_wp)
+      if (caught_signal() /= 0) wanted = .true.
+      wanted = wanted .and. .not. self%killed
    end subroutine wants_state
 
    !> Write the checkpoint. One that cannot be written does not end the run: the older one stays.

@@ -64,8 +64,13 @@ contains
             if (failures > MOST_FAILURES .or. error%code /= ERR_FILE .or. shown == '') exit
          else
             failures = 0
-            if (line /= shown .and. is_terminal(STDERR)) call print_status(line)
-            if (line /= shown .and. .not. is_terminal(STDERR)) call print_line(line)
+            if (line /= shown) then
+               if (is_terminal(STDERR)) then
+                  call print_status(line)
+               else
+                  call print_line(line)
+               end if
+            end if
             shown = line
             if (status /= 'RUNNING' .or. .not. written) exit
          end if
