@@ -8,7 +8,7 @@ module kj_progress
    use kj_words, only: right
    use kj_system, only: wall_clock
    use kj_signal, only: caught_signal
-   use kj_terminal, only: print_error, print_status
+   use kj_terminal, only: print_error, print_status, columns, STDERR
    use kjoint, only: monitor_t, run_status_t
    implicit none
    private
@@ -83,7 +83,7 @@ contains
       type(run_status_t), intent(in) :: status
       character(len=:), allocatable :: text
 
-      text = status_line(status, wall_clock() - self%started)
+      text = status_line(status, wall_clock() - self%started, huge(1))
    end function status_now
 
    !> Take the status line away
@@ -122,7 +122,7 @@ contains
       select case (self%show)
       case (SHOW_STATUS)
          if (now - self%shown >= PAUSE) then
-            call print_status(status_line(status, now - self%started))
+            call print_status(status_line(status, now - self%started, width_of(columns(STDERR))))
             self%shown = now
             self%open = .true.
          end if
@@ -176,10 +176,20 @@ contains
       text = trim(adjustl(number))//' '//trim(name(i))
    end function span_text
 
-   !> "42.3 %  t 0.212  dt 1.2E-05 (joint 900)  118k cycles/s  ETA 0:12  energy error 0.01 %"
-   function status_line(status, elapsed) result(text)
+   !> Columns that a line may take, so that it does not wrap; a terminal that does not say has 80
+   pure integer function width_of(columns)
+      integer, intent(in) :: columns
+
+      width_of = columns - 1
+      if (columns <= 0) width_of = 79
+   end function width_of
+
+   !> "42.3 %  t 0.212  ETA 0:12  dt 1.2E-05 (joint 900)  energy 0.01 %  118k cycles/s"; what does
+   !> not fit on the right is left out
+   function status_line(status, elapsed, width) result(text)
       type(run_status_t), intent(in) :: status
       real(wp), intent(in) :: elapsed           !! [s] of wall clock
+      integer, intent(in) :: width              !! most characters
       character(len=:), allocatable :: text
 
       character(len=80) :: buffer
@@ -187,12 +197,21 @@ contains
 
       done = 0.0_wp
       if (status%t_stop > 0.0_wp) done = min(1.0_wp, status%time/status%t_stop)
-      write (buffer, '(f5.1,a,es9.3,a,es8.2)') 100*done, ' %  t ', status%time, '  dt ', &
-         status%time_step
-      text = trim(buffer)//limiter(status)//'  '// &
-         rate(real(status%cycle, wp)/elapsed)//' cycles/s'
-      if (done > 0.0_wp) text = text//'  ETA '//clock(elapsed*(1.0_wp - done)/done)
-      text = text//'  energy '//percent(status%energy_error)
+      write (buffer, '(f5.1,a,es9.3)') 100*done, ' %  t ', status%time
+      text = trim(buffer)
+      if (done > 0.0_wp) call add('  ETA '//clock(elapsed*(1.0_wp - done)/done))
+      write (buffer, '(a,es8.2)') '  dt ', status%time_step
+      call add(trim(buffer)//limiter(status))
+      call add('  energy '//percent(status%energy_error))
+      call add('  '//rate(real(status%cycle, wp)/elapsed)//' cycles/s')
+
+   contains
+
+      subroutine add(piece)
+         character(len=*), intent(in) :: piece
+
+         if (len(text) + len(piece) <= width) text = text//piece
+      end subroutine add
    end function status_line
 
    !> A line for the file of the listing, whose lines can be read soon

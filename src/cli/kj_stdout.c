@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 /* Begin the program. Streams 0 to 2 that the caller closed get something to stand on, so that no
@@ -32,4 +33,11 @@ int kj_flush(void)
     errno = 0;
     int failed = fflush(stdout);
     return failed || ferror(stdout) ? (errno ? errno : EIO) : 0;
+}
+
+/* Columns of the terminal that a stream is; 0: it is none, or does not say */
+int kj_columns(int stream)
+{
+    struct winsize size = {0};
+    return ioctl(stream, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }

@@ -8,10 +8,11 @@ module kj_terminal
    private
 
    public :: open_streams, print_line, print_text, print_error, print_status, &
-      is_terminal, may_colour, may_overwrite, environment, quit
+      is_terminal, columns, may_colour, may_overwrite, environment, quit
 
    integer, parameter, public :: STDOUT = 1, STDERR = 2    !! streams
    character, parameter, public :: ESC = achar(27)
+   integer, parameter :: LEAST_WIDTH = 40      !! columns below which nothing is folded
 
    interface
       integer(c_int) function c_isatty(descriptor) bind(c, name='isatty')
@@ -33,6 +34,10 @@ module kj_terminal
       integer(c_int) function kj_flush() bind(c)
          import :: c_int
       end function kj_flush
+      integer(c_int) function kj_columns(stream) bind(c)
+         import :: c_int
+         integer(c_int), value :: stream
+      end function kj_columns
    end interface
 
 contains
@@ -42,12 +47,70 @@ contains
       call kj_open_streams()
    end subroutine open_streams
 
-   !> A line, or several, on stdout: results
+   !> A line, or several, on stdout: results. On a terminal that is narrower they are folded, but
+   !> for JSON
    subroutine print_line(text)
       character(len=*), intent(in) :: text
 
-      call kj_put_line(text, len(text, c_size_t))
+      integer :: width, first, last
+
+      width = columns(STDOUT)
+      if (width < LEAST_WIDTH .or. len(text) <= width .or. &
+         scan(text(:min(1, len(text))), '{[,]') > 0) then
+         call kj_put_line(text, len(text, c_size_t))
+         return
+      end if
+      first = 1
+      do while (first <= len(text) + 1)
+         last = index(text(first:), new_line('a')) + first - 2
+         if (last < first - 1) last = len(text)
+         call put_folded(text(first:last), width)
+         first = last + 2
+      end do
    end subroutine print_line
+
+   !> One line, broken at blanks; what follows stands below the start of its last column, or 6 in
+   subroutine put_folded(line, width)
+      character(len=*), intent(in) :: line
+      integer, intent(in) :: width
+
+      integer :: first, last, indent, column
+
+      first = 1
+      indent = 0
+      do
+         last = len_trim(line)
+         if (last - first + 1 > width - indent) then
+            last = first + width - indent - 1
+            column = index(line(first:last + 1), ' ', back=.true.)
+            if (column > 1) last = first + column - 2
+         end if
+         call put(repeat(' ', indent)//line(first:last))
+         if (last >= len_trim(line)) return
+         if (first == 1) then
+            column = index(line(:last), '  ', back=.true.) + 1
+            indent = 6
+            if (column <= width/2 .and. column > 1) indent = column
+         end if
+         first = last + 1
+         first = first + max(verify(line(first:), ' '), 1) - 1
+      end do
+
+   contains
+
+      subroutine put(piece)
+         character(len=*), intent(in) :: piece
+
+         call kj_put_line(piece, len(piece, c_size_t))
+      end subroutine put
+   end subroutine put_folded
+
+   !> Columns of a terminal; 0 where a stream is none, or does not say
+   integer function columns(stream)
+      integer, intent(in) :: stream              !! STDOUT or STDERR
+
+      columns = int(kj_columns(int(stream, c_int)))
+   end function columns
 
    !> Lines that may already end with a line end, on stdout
    subroutine print_text(text)

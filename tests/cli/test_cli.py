@@ -12,6 +12,7 @@ import pty
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -729,6 +730,47 @@ class Terminal(Program):
         said, seconds = self.on_a_terminal(self.LINE, 8)
         # the first after a second, the others at least 0.2 s apart
         self.assertLessEqual(len(re.findall(self.LINE, said)), 1 + (seconds - 1.0)/0.2)
+
+    def shown(self, columns, *words):
+        """What a terminal of so many columns gets of a command."""
+        pid, master = pty.fork()
+        if pid == 0:
+            fcntl.ioctl(0, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+            os.chdir(self.folder)
+            os.execve(KJOINT, [KJOINT, *words], {**os.environ, "TERM": "xterm"})
+        said = b""
+        while True:
+            try:
+                part = os.read(master, 65536)
+            except OSError:
+                part = b""
+            if not part:
+                break
+            said += part
+        os.close(master)
+        os.waitpid(pid, 0)
+        return said.decode()
+
+    def test_tables_and_help_fit_the_terminal(self):
+        wide = self.kjoint("check", "REV01_0000.rad").stdout
+        self.assertGreater(max(map(len, wide.splitlines())), 80)
+        for columns in (60, 80):
+            for words in (["help"], ["help", "run"], ["check", "REV01_0000.rad"], ["list", "joints"],
+                          ["list", "channels"], ["list", "keywords"]):
+                text = self.shown(columns, *words)
+                longest = max(text.splitlines(), key=len)
+                self.assertLessEqual(len(longest), columns, f"{words}: {longest}")
+            text = self.shown(columns, "check", "REV01_0000.rad")
+            self.assertEqual(wide.split(), text.split())         # folded, nothing is lost
+
+    def test_the_progress_line_does_not_wrap(self):
+        for columns in (60, 80):
+            said = self.shown(columns, "run", "--legacy", "REV01_0000.rad", "--until", "12",
+                              "--sample", "1")
+            lines = re.findall(r"\r( *\d+\.\d %[^\r\x1b]*)", said)
+            self.assertGreater(len(lines), 0, said)
+            self.assertLess(max(map(len, lines)), columns)
+            self.assertRegex(lines[0], r"^ *\d+\.\d %  t \d")
 
     def test_a_dumb_terminal_gets_listing_lines(self):
         said, _ = self.on_a_terminal(rb"\n +[1-9]\d* +\d\.\d+E", 2, "-v", TERM="dumb")
