@@ -55,8 +55,9 @@ contains
       clock = wall_clock()
       call go_on(model, scheme, error)           ! as many cycles on any machine
       if (allocated(error)) return
-      do while (.not. (allocated(late) .or. is_over(model%model_t, scheme) .or. &
-         wall_clock() - clock > TRY))
+      do
+         if (allocated(late) .or. is_over(model%model_t, scheme)) exit
+         if (wall_clock() - clock > TRY) exit
          call go_on(model, scheme, late)
       end do
       done = real(max(1, scheme%now%cycle), wp)
