@@ -136,11 +136,11 @@ module kj_message_joint
       'allow, as an impact would. The energy that this takes is lost.', &
       'Give velocities that the joints allow; split2 rings instead, and loses about as much.'), &
    message_t('KJ-9071', SEV_ERROR, 'cards of a joint property are missing', &
-      'A /PROP/KJOINT has cards of stiffness by its type, which all must be there; those of '// &
-      'damping at the end may be missing.', 'Add the cards; blank fields are 0.'), &
+      'A /PROP/KJOINT has its type, its skews and a card that begins with Kn or a stiffness; '// &
+      'cards behind that may be missing.', 'Add the cards; blank fields are 0.'), &
    message_t('KJ-9072', SEV_WARNING, 'the last cards of a joint are missing', &
-      'The last cards of a /PROP/KJOINT hold its damping and may be missing: then there is none.', &
-      'Add the cards, blank where nothing damps.'), &
+      'The last cards of a /PROP/KJOINT, of functions and damping, may be missing: then there '// &
+      'are none.', 'Add the cards, blank where nothing is meant.'), &
    message_t('KJ-9073', SEV_WARNING, 'both ends of a joint on one rigid body', &
       'A body is rigid in itself: such a joint does nothing, and what it was to hold is loose.', &
       'Use a node of the other body; a wrong pick in a preprocessor is the usual cause.'), &

@@ -183,11 +183,12 @@ contains
 
       real(wp) :: least
 
+      h = huge(1.0_wp)
+      if (.not. allocated(model%node_mass)) return   ! of joints of a host
       associate (m => model%node_mass(model%n_lead + 1:), &
          inertia => model%node_inertia(model%n_lead + 1:))
          least = min(minval(m, mask=m > 0.0_wp), minval(inertia, mask=inertia > 0.0_wp))
       end associate
-      h = huge(1.0_wp)
       if (least < 1.0_wp) h = model%control%dt_factor*sqrt(2.0_wp*least/EPS20)
    end function idle_limit
 

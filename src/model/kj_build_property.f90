@@ -86,7 +86,7 @@ contains
       call convert_functions(draft, cards, p)
    end subroutine read_kjoint
 
-   !> Cards of stiffness must be there; those of damping, which come last, may be missing
+   !> The card of Kn must be there; those behind it may be missing, which is said
    subroutine check_cards(deck, cards, p)
       type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
@@ -97,19 +97,19 @@ contains
 
       mine = fields%keyword == KW_KJOINT .and. fields%variant == joint_types(p%row)%id
       most = maxval(fields%card, mask=mine)
-      needed = min(most, minval(fields%card, mask=mine .and. fields%name(1:1) == 'C') - 1)
+      needed = min(most, 3)
       if (all(joint_types(p%row)%free == 1)) needed = 2      ! a free joint may have no law at all
       if (cards%n_card >= most .or. cards%n_card == 0) return
       if (cards%n_card >= needed) then
          call report(deck, cards, 'type', SEV_WARNING, 'KJ-9072', 'the last cards are '// &
             'missing: a joint of type '//str(int_of(cards, 'type'))//' has '//str(most), &
             'here are '//str(cards%n_card)//'; the others are read as blank', &
-            'blank cards say that no damping is meant')
+            'blank cards say that nothing is meant')
          return
       end if
       call report(deck, cards, 'type', SEV_ERROR, 'KJ-9071', 'a joint of type '// &
          str(int_of(cards, 'type'))//' has '//str(most)//' cards, here are '// &
-         str(cards%n_card), 'needed: '//str(needed)//'; those of damping may be missing')
+         str(cards%n_card), 'needed: '//str(needed)//' at least')
    end subroutine check_cards
 
    !> What /PROP/KJOINT2 has beside. K and C are forces where a function stands; then abscissae are
