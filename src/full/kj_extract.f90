@@ -63,7 +63,7 @@ contains
    !> '/7' for unit 7, nothing for 0
    pure function suffix(unit) result(text)
       integer, intent(in) :: unit
-      character(len=:), allocatable :: text
+      character(len=merge(len(str(unit)) + 1, 0, unit > 0)) :: text
 
       text = ''
       if (unit > 0) text = '/'//str(unit)
@@ -99,16 +99,16 @@ contains
 
    pure function name_of(path) result(name)
       character(len=*), intent(in) :: path
-      character(len=:), allocatable :: name
+      character(len=len(path) - index(path, '/', back=.true.)) :: name
 
       name = path(index(path, '/', back=.true.) + 1:)
    end function name_of
 
    !> The header of a block as it is outside of submodels: words, id, unit
-   function header_of(deck, block) result(header)
+   subroutine take_header(deck, block, header)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: block
-      character(len=:), allocatable :: header
+      character(len=:), allocatable, intent(out) :: header
 
       character(len=:), allocatable :: text
       integer :: slash, next
@@ -127,7 +127,18 @@ contains
          if (any(keywords(b%row)%head == [HEAD_ID, HEAD_TYPE_ID])) header = header//'/'//str(b%id)
          if (b%unit_id > 0) header = header//suffix(b%unit_id)
       end associate
-   end function header_of
+   end subroutine take_header
+
+   subroutine put_header(page, deck, block)
+      type(page_t), intent(inout) :: page
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block
+
+      character(len=:), allocatable :: header
+
+      call take_header(deck, block, header)
+      call put(page, header, deck%block(block)%header)
+   end subroutine put_header
 
    !> Copy a block with its cards
    subroutine copy_block(deck, block, page)
@@ -137,7 +148,7 @@ contains
 
       integer :: line
 
-      call put(page, header_of(deck, block), deck%block(block)%header)
+      call put_header(page, deck, block)
       do line = deck%block(block)%first, deck%block(block)%last
          call put_copy(page, deck, line)
       end do
@@ -244,7 +255,7 @@ contains
          do i = 1, size(keep%part)
             if (.not. keep%part(i)) cycle
             block = draft%part_block(i)
-            call put(page, header_of(deck, block), deck%block(block)%header)
+            call put_header(page, deck, block)
             call put(page, title_of(deck, block))
             call put(page, integer_field(draft%part_ids(1, i))//integer_field(0)//integer_field(0))
          end do
@@ -254,7 +265,7 @@ contains
             line = draft%elements%card(i)%line
             if (draft%elements%card(i)%block /= block) then
                block = draft%elements%card(i)%block
-               call put(page, header_of(deck, block), deck%block(block)%header)
+               call put_header(page, deck, block)
             end if
             call put_copy(page, deck, line)
          end do
@@ -419,7 +430,7 @@ contains
 
       integer :: line
 
-      call put(page, header_of(deck, block), deck%block(block)%header)
+      call put_header(page, deck, block)
       do line = deck%block(block)%first, deck%block(block)%last
          if (any(th%object%line(:th%object%n) == line)) then
             if (any(there .and. th%object%line(:th%object%n) == line)) &

@@ -209,7 +209,7 @@ contains
             end if
          end associate
          if (scan(suffix, 'DI') == 0) then
-            call add_nodes(some%node(:some%n), list)
+            if (some%n > 0) call add_nodes(some%node(:some%n), list)
             cycle
          end if
          call finish_list(draft%id, some, node)
