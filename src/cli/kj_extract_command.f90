@@ -319,7 +319,7 @@ contains
          end do
          call print_line(']')
       end if
-      call print_line(', '//json_pair('findings', json_findings(findings))//'}')
+      call print_line(', '//json_findings(findings)//'}')
    end subroutine print_json
 
    pure function ids_json(ids) result(json)
