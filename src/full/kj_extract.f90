@@ -60,10 +60,17 @@ contains
       unit = maxval([0, deck%unit_id(:deck%n_unit)]) + 1
    end function work_unit
 
+   pure integer function suffix_length(unit) result(n)
+      integer, intent(in) :: unit
+
+      n = 0
+      if (unit > 0) n = len(str(unit)) + 1
+   end function suffix_length
+
    !> '/7' for unit 7, nothing for 0
    pure function suffix(unit) result(text)
       integer, intent(in) :: unit
-      character(len=merge(len(str(unit)) + 1, 0, unit > 0)) :: text
+      character(len=suffix_length(unit)) :: text
 
       text = ''
       if (unit > 0) text = '/'//str(unit)
@@ -97,9 +104,15 @@ contains
       call put(page, si(1)//si(2)//si(3))
    end subroutine write_head
 
+   pure integer function name_length(path) result(n)
+      character(len=*), intent(in) :: path
+
+      n = len(path) - index(path, '/', back=.true.)
+   end function name_length
+
    pure function name_of(path) result(name)
       character(len=*), intent(in) :: path
-      character(len=len(path) - index(path, '/', back=.true.)) :: name
+      character(len=name_length(path)) :: name
 
       name = path(index(path, '/', back=.true.) + 1:)
    end function name_of

@@ -90,14 +90,14 @@ contains
       history%n_value = history%n_value + v%n_entity*v%n_comp
    end subroutine add_variable
 
-   pure integer function title_length(history, owner, e) result(n)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: owner, e
+   pure integer function title_length(entity, e) result(n)
+      type(entity_t), intent(in) :: entity
+      integer, intent(in) :: e
 
-      n = len(str(history%entity(owner)%id(e)))
-      if (.not. allocated(history%entity(owner)%label)) return
-      if (.not. allocated(history%entity(owner)%label(e)%s)) return
-      associate (label => history%entity(owner)%label(e)%s)
+      n = len(str(entity%id(e)))
+      if (.not. allocated(entity%label)) return
+      if (.not. allocated(entity%label(e)%s)) return
+      associate (label => entity%label(e)%s)
          if (len_trim(label) > 0) n = n + len_trim(label) + 3
       end associate
    end function title_length
@@ -107,7 +107,7 @@ contains
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner               !! OF_ constant, not of the run
       integer, intent(in) :: e                   !! place among its entities
-      character(len=title_length(history, owner, e)) :: title
+      character(len=title_length(history%entity(owner), e)) :: title
 
       title = str(history%entity(owner)%id(e))
       if (len(title) > len_trim(title)) title = trim(history%entity(owner)%label(e)%s)//' ('// &

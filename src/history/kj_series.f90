@@ -15,7 +15,7 @@ module kj_series
    use kj_units, only: unit_text
    use kj_joint_types, only: DOF_NAME
    use kj_channels, only: channels, groups, OF_RUN, CH_TIME
-   use kj_history, only: history_t, variable_t, entity_title
+   use kj_history, only: history_t, entity_t, variable_t, entity_title
    implicit none
    private
 
@@ -189,7 +189,7 @@ contains
       if (owner == OF_RUN) return
       yes = matches(str(history%entity(owner)%id(e)), pattern%entity)
       if (yes) return
-      yes = matches(label_of(history, owner, e), pattern%entity) .or. &
+      yes = matches(label_of(history%entity(owner), e), pattern%entity) .or. &
          entity_title(history, owner, e) == pattern%entity
    end function is_entity
 
@@ -278,47 +278,47 @@ contains
    end function component_name
 
    !> Letters of the label of an entity, 0: it has none
-   pure integer function label_length(history, owner, e) result(n)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: owner, e
+   pure integer function label_length(entity, e) result(n)
+      type(entity_t), intent(in) :: entity
+      integer, intent(in) :: e
 
       n = 0
-      if (.not. allocated(history%entity(owner)%label)) return
-      if (allocated(history%entity(owner)%label(e)%s)) n = &
-         len_trim(history%entity(owner)%label(e)%s)
+      if (.not. allocated(entity%label)) return
+      if (allocated(entity%label(e)%s)) n = &
+         len_trim(entity%label(e)%s)
    end function label_length
 
-   pure function label_of(history, owner, e) result(label)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: owner, e
-      character(len=label_length(history, owner, e)) :: label
+   pure function label_of(entity, e) result(label)
+      type(entity_t), intent(in) :: entity
+      integer, intent(in) :: e
+      character(len=label_length(entity, e)) :: label
 
       label = ''
-      if (len(label) > 0) label = history%entity(owner)%label(e)%s
+      if (len(label) > 0) label = entity%label(e)%s
    end function label_of
 
    !> Whether an entity goes by its label: no other has that
-   pure logical function has_own_label(history, owner, e) result(own)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: owner, e
+   pure logical function has_own_label(entity, e) result(own)
+      type(entity_t), intent(in) :: entity
+      integer, intent(in) :: e
 
       integer :: i
 
       own = .false.
-      if (label_length(history, owner, e) == 0) return
-      if (size(history%entity(owner)%id) > MOST_LABELS) return
-      do i = 1, size(history%entity(owner)%id)
-         if (i /= e .and. label_of(history, owner, i) == label_of(history, owner, e)) return
+      if (label_length(entity, e) == 0) return
+      if (size(entity%id) > MOST_LABELS) return
+      do i = 1, size(entity%id)
+         if (i /= e .and. label_of(entity, i) == label_of(entity, e)) return
       end do
       own = .true.
    end function has_own_label
 
-   pure integer function entity_length(history, owner, e) result(n)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: owner, e
+   pure integer function entity_length(entity, e) result(n)
+      type(entity_t), intent(in) :: entity
+      integer, intent(in) :: e
 
-      n = len(str(history%entity(owner)%id(e)))
-      if (has_own_label(history, owner, e)) n = label_length(history, owner, e)
+      n = len(str(entity%id(e)))
+      if (has_own_label(entity, e)) n = label_length(entity, e)
    end function entity_length
 
    !> What a person calls an entity: its label where only one has that, else its user id
@@ -326,10 +326,10 @@ contains
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner               !! OF_ constant, not of the run
       integer, intent(in) :: e                   !! place among its entities
-      character(len=entity_length(history, owner, e)) :: name
+      character(len=entity_length(history%entity(owner), e)) :: name
 
-      if (has_own_label(history, owner, e)) then
-         name = label_of(history, owner, e)
+      if (has_own_label(history%entity(owner), e)) then
+         name = label_of(history%entity(owner), e)
       else
          name = str(history%entity(owner)%id(e))
       end if
