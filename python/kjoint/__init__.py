@@ -3,6 +3,7 @@
 Mechanism  builds a mechanism in a few lines and runs it
 Model      a Radioss deck: run it, or step, ask and change it
 Joints     joints as elements of a host that owns nodes, masses and time
+sweep      many variants of a deck, by its /PARAMETER; also python -m kjoint.sweep
 
 Arrays are numpy arrays of nodes x 3; quaternions are w x y z; angles in radian; vectors in the
 global frame where nothing else is said; six-vectors are tx ty tz rx ry rz. What goes wrong raises
@@ -12,7 +13,7 @@ as the environment variable KJOINT_LIBRARY says. include/kjoint.h documents ever
 import importlib
 
 _HOMES = {"Error": "_library", "options": "_library", "version": "_library", "Joints": "joints",
-          "Mechanism": "mechanism", "Model": "model"}
+          "Mechanism": "mechanism", "Model": "model", "sweep": "sweep"}
 __all__ = list(_HOMES)
 
 

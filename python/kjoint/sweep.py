@@ -1,6 +1,6 @@
 """Many variants of a deck at once: parameters in, a table of measures out.
 
-    kjoint sweep DECK_0000.rad --vary length=0.1:0.2:5 --measure 'joint/force[pin].norm:max'
+    python -m kjoint.sweep DECK_0000.rad --vary length=0.1:0.2:5 --measure 'joint/force[pin].norm:max'
 
 The parameters are those of /PARAMETER in the deck. sweep() does the same from Python.
 """
@@ -156,12 +156,12 @@ def run_variant(deck, engine, options, names, values, measures, history):
         return [float("nan")]*len(measures), str(error).splitlines()[0]
 
 
-def sweep(deck, vary=None, measure=(), *, table=None, sample=None, method="random", seed=0,
+def sweep(deck, vary=None, measure=(), *, table=None, draws=None, method="random", seed=0,
           engine=None, workers=None, keep=None, resume=None, told=None, **options):
     """Run the variants of a deck; gives an xarray.Dataset over `variant`.
 
     vary: {name: values or a text as on the command line}; table: {name: one value a variant}.
-    measure: texts "CHANNEL:FUNCTION". sample, method (random, lhs, sobol), seed: draws instead of
+    measure: texts "CHANNEL:FUNCTION". draws, method (random, lhs, sobol), seed: draws instead of
     all combinations. keep: a folder for the histories. resume: a CSV file of rows that are done;
     new rows are added to it. told(n_done, n_all): after each variant. Options: those of Model.
     """
@@ -171,7 +171,7 @@ def sweep(deck, vary=None, measure=(), *, table=None, sample=None, method="rando
         names = list(table)
         values = np.column_stack([np.asarray(table[name], float) for name in names])
     else:
-        names, values = plan(vary or {}, sample, method, seed)
+        names, values = plan(vary or {}, draws, method, seed)
     if keep:
         pathlib.Path(keep).mkdir(parents=True, exist_ok=True)
     head = ["variant", *names, *(m.text for m in measures), "status"]
@@ -246,8 +246,8 @@ def write(table, path):
 
 
 def main(words=None):
-    """`kjoint sweep`."""
-    parser = argparse.ArgumentParser(prog="kjoint sweep", description="run variants of a deck")
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m kjoint.sweep", description="run variants of a deck")
     parser.add_argument("deck")
     parser.add_argument("engine", nargs="?")
     parser.add_argument("--vary", action="append", default=[], metavar="NAME=SPEC",
@@ -288,7 +288,7 @@ def main(words=None):
         if not args.resume and log.exists():
             log.unlink()
         options = dict(word.split("=", 1) for word in args.options.split())
-        result = sweep(args.deck, vary, args.measure, table=table, sample=args.sample, method=args.method or "random",
+        result = sweep(args.deck, vary, args.measure, table=table, draws=args.sample, method=args.method or "random",
                        seed=args.seed, engine=args.engine, workers=args.threads, keep=args.keep, resume=log,
                        told=told, **options)
         write(result, output)
