@@ -43,7 +43,7 @@ contains
       type(consistent_model_t) :: model
       type(scheme_t) :: scheme
       type(error_t), allocatable :: late         ! not told: it depends on the clock
-      real(wp) :: clock, done
+      real(wp) :: clock
 
       model = sim%model
       scheme = sim%scheme
@@ -55,15 +55,14 @@ contains
       clock = wall_clock()
       call go_on(model, scheme, error)           ! as many cycles on any machine
       if (allocated(error)) return
+      call refuse_years(model%model_t, scheme, .false., report%cycles, late)
+      report%cycles = report%cycles + real(scheme%now%cycle, wp)
       do
          if (allocated(late) .or. is_over(model%model_t, scheme)) exit
          if (wall_clock() - clock > TRY) exit
          call go_on(model, scheme, late)
       end do
-      done = real(max(1, scheme%now%cycle), wp)
-      call refuse_years(model%model_t, scheme, .false., report%cycles, late)
-      report%cycles = report%cycles + done
-      report%seconds = (wall_clock() - clock)/done*report%cycles
+      report%seconds = (wall_clock() - clock)/real(max(1, scheme%now%cycle), wp)*report%cycles
       report%samples = report%cycles
       if (model%control%sample > 0.0_wp) report%samples = min(report%cycles, 1.0_wp + &
          model%control%t_stop/model%control%sample)

@@ -753,6 +753,10 @@ class Terminal(Program):
         return said.decode()
 
     def test_tables_and_help_fit_the_terminal(self):
+        def words_of(text):                                  # but for what the clock gives
+            return re.sub(r"numbers;.*?at the pace", "numbers; at the pace", text,
+                          flags=re.DOTALL).split()
+
         wide = self.kjoint("check", "REV01_0000.rad").stdout
         self.assertGreater(max(map(len, wide.splitlines())), 80)
         for columns in (60, 80):
@@ -762,7 +766,7 @@ class Terminal(Program):
                 longest = max(text.splitlines(), key=len)
                 self.assertLessEqual(len(longest), columns, f"{words}: {longest}")
             text = self.shown(columns, "check", "REV01_0000.rad")
-            self.assertEqual(wide.split(), text.split())         # folded, nothing is lost
+            self.assertEqual(words_of(wide), words_of(text))     # folded, nothing is lost
 
     def test_the_progress_line_does_not_wrap(self):
         for columns in (60, 80):
