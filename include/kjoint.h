@@ -200,6 +200,8 @@ int kj_model_series(kj_model *model, const char *channel, int count, double *val
 int kj_model_curve(kj_model *model, const char *name, int count, double *values);
 /* Unit of a channel, such as "kg m s-2" */
 int kj_model_unit(kj_model *model, const char *channel, char *buffer, size_t size);
+/* What a channel means, then a line for each of its entities: id, a blank, label */
+int kj_model_about(kj_model *model, const char *channel, char *buffer, size_t size);
 /* The samples as a history file (HDF5); KJ_FILE when the library was built without it */
 int kj_model_write_history(kj_model *model, const char *path);
 

@@ -1,22 +1,20 @@
-"""The C library, its structures and errors."""
-import collections
+"""The C library, its structures and calls."""
+from __future__ import annotations
+
 import contextlib
 import ctypes as ct
 import ctypes.util
 import os
 import pathlib
 import threading
+from typing import Any, Iterator, NamedTuple
+
+import numpy as np
+
+from ._error import Error
 
 INT, REAL, TEXT = ct.c_int, ct.c_double, ct.c_char_p
 SIZE = 100_000                                    # room for messages and lists
-
-
-class Error(RuntimeError):
-    """What kjoint has to say; status 1 run, 2 input, 3 file, 4 internal."""
-
-    def __init__(self, message, status):
-        super().__init__(message)
-        self.status = status
 
 
 class Spec(ct.Structure):
@@ -27,7 +25,6 @@ class Spec(ct.Structure):
 
 
 class Result(ct.Structure):
-    """What a joint does: force and displacement in its frame, frame in W (rows x, y, z)."""
     _fields_ = [("id", INT), ("type", INT), ("force", REAL * 6), ("displacement", REAL * 6),
                 ("frame", REAL * 3 * 3), ("energy", REAL), ("dissipated", REAL),
                 ("orthogonality", REAL)]
@@ -50,13 +47,19 @@ FILES = threading.Lock()                          # HDF5 is called by one thread
 TICK = ct.CFUNCTYPE(INT, ct.POINTER(Status), ct.c_void_p)
 
 
-def _find():
+def values_of(structure: ct.Structure) -> dict[str, Any]:
+    """Its numbers by name, arrays as numpy arrays of their own."""
+    found = ((name, getattr(structure, name)) for name, *_ in structure._fields_)
+    return {name: np.array(value) if isinstance(value, ct.Array) else value for name, value in found}
+
+
+def _find() -> ct.CDLL:
     folder = pathlib.Path(__file__).resolve().parent
     names = [os.environ.get("KJOINT_LIBRARY")]
     names += [str(folder/"lib"/"libkjoint_c.so")]              # of the wheel
     names += [str(parent / "libkjoint_c.so") for parent in list(folder.parents)[2:4]]
     names += [ctypes.util.find_library("kjoint_c"), "libkjoint_c.so"]
-    for name in filter(None, names):
+    for name in [n for n in names if n]:
         try:
             return ct.CDLL(name)
         except OSError:
@@ -68,14 +71,14 @@ class _Numbers:
     """Argument that takes numbers of a numpy array as double*, or None."""
 
     @classmethod
-    def from_param(cls, array):
+    def from_param(cls, array: Any) -> Any:
         return None if array is None else array.ctypes.data_as(ct.c_void_p)
 
 
-def _declare(library):
+def _declare(library: ct.CDLL) -> ct.CDLL:
     p, numbers = ct.c_void_p, _Numbers
-    text = [TEXT, ct.c_size_t]
-    calls = {
+    text: list[Any] = [TEXT, ct.c_size_t]
+    calls: dict[str, list[Any]] = {
         "kj_version": text, "kj_joint_type": [INT] + text + [p], "kj_joint_spec_init": [p],
         "kj_options_list": text,
         "kj_joints_new": [TEXT, INT, p] + text, "kj_joints_message": [p] + text,
@@ -96,7 +99,7 @@ def _declare(library):
         "kj_model_restore": [p, ct.c_size_t, p], "kj_model_sample": [p], "kj_model_status": [p, p],
         "kj_model_channels": [p] + text, "kj_model_shape": [p, TEXT, p, p, p],
         "kj_model_series": [p, TEXT, INT, numbers], "kj_model_unit": [p, TEXT] + text,
-        "kj_model_curve": [p, TEXT, INT, numbers],
+        "kj_model_about": [p, TEXT] + text, "kj_model_curve": [p, TEXT, INT, numbers],
         "kj_model_write_history": [p, TEXT], "kj_model_body_count": [p, p],
         "kj_model_joint_count": [p, p], "kj_model_body_ids": [p, INT, p],
         "kj_model_joint_ids": [p, INT, p], "kj_model_body": [p, INT, p],
@@ -117,31 +120,54 @@ def _declare(library):
 LIB = _declare(_find())
 
 
-def _text(call, *arguments):
-    buffer = ct.create_string_buffer(SIZE)
-    call(*arguments, buffer, SIZE)
+def text_of(call: Any, *arguments: Any, size: int = SIZE) -> str:
+    """What a call writes into its buffer; its status is left to who wants it."""
+    buffer = ct.create_string_buffer(size)
+    call(*arguments, buffer, size)
     return buffer.value.decode(errors="replace")
 
 
-def encoded(text):
+def encoded(text: str | os.PathLike[str]) -> bytes:
     """A text or path for C, which ends it at the first zero."""
     data = os.fsencode(text)
     if b"\0" in data:
-        raise ValueError(f"a zero character in {text!r}")
+        raise Error(f"a zero character in {text!r}")
     return data
 
 
-def version():
-    """Version of the library."""
-    return _text(LIB.kj_version)
+def version() -> str:
+    """Version of the library.
+
+    >>> import kjoint
+    >>> kjoint.version() == kjoint.__version__
+    True
+    """
+    return text_of(LIB.kj_version)
 
 
-Option = collections.namedtuple("Option", "kind words default meaning")
+class Option(NamedTuple):
+    """One option of a run: its kind (word, real, integer, flag, text), the words that it may be,
+    its default, its meaning.
+
+    >>> import kjoint
+    >>> kjoint.options()["until"].kind
+    'real'
+    """
+    kind: str
+    words: str
+    default: str
+    meaning: str
 
 
-def options():
-    """The options of a run, by their name: kind, words that they may be, default, meaning."""
-    rows = (line.split("\t") for line in _text(LIB.kj_options_list).splitlines())
+def options() -> dict[str, Option]:
+    """The options of a run, by their name, as Model and Mechanism.run take them. Times are in the
+    unit of the deck.
+
+    >>> import kjoint
+    >>> kjoint.options()["sample"].meaning
+    'interval of the samples, time; 0: every cycle'
+    """
+    rows = (line.split("\t") for line in text_of(LIB.kj_options_list).splitlines())
     return {name: Option(*columns) for name, *columns in rows}
 
 
@@ -151,12 +177,12 @@ class Handle:
 
     kind = ""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._handle = ct.c_void_p()
         self._lock = threading.RLock()
 
     @contextlib.contextmanager
-    def _alone(self):
+    def _alone(self) -> Iterator[None]:
         if not self._lock.acquire(blocking=False):
             raise Error(f"another thread is in a call of this {type(self).__name__}: "
                         "one thread at a time", 2)
@@ -165,28 +191,28 @@ class Handle:
         finally:
             self._lock.release()
 
-    def _new(self, call, *arguments):
+    def _new(self, call: Any, *arguments: Any) -> None:
         message = ct.create_string_buffer(SIZE)
         status = call(*arguments, ct.byref(self._handle), message, SIZE)
         if status:
             raise Error(message.value.decode(errors="replace"), status)
 
-    def _call(self, name, *arguments):
+    def _call(self, name: str, *arguments: Any) -> None:
         with self._alone():
             status = getattr(LIB, f"kj_{self.kind}_{name}")(self._handle, *arguments)
             if status:
                 raise Error(self._message(), status)
 
-    def _message(self, what="message"):
+    def _message(self, what: str = "message", *arguments: Any, size: int = SIZE) -> str:
         with self._alone():
-            return _text(getattr(LIB, f"kj_{self.kind}_{what}"), self._handle)
+            return text_of(getattr(LIB, f"kj_{self.kind}_{what}"), self._handle, *arguments, size=size)
 
-    def _number(self, name, kind=INT):
+    def _number(self, name: str, kind: Any = INT) -> Any:
         value = kind()
         self._call(name, ct.byref(value))
         return value.value
 
-    def __del__(self):
+    def __del__(self) -> None:
         if getattr(self, "_handle", None):
             getattr(LIB, f"kj_{self.kind}_free")(self._handle)
             self._handle = ct.c_void_p()

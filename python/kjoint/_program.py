@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 
-def main():
+def main() -> None:
     """Become the program: its exit code, signals and streams are those of the command."""
     program = pathlib.Path(__file__).resolve().parent/"bin"/"kjoint"
     os.environ.setdefault("KJOINT_PYTHON", sys.executable)

@@ -15,7 +15,7 @@ import sys
 
 import numpy as np
 
-from ._library import Error
+from ._error import Error
 from .model import Model
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"

@@ -129,6 +129,7 @@ contains
       fixed%ignore_unsupported = options%ignore_unsupported
       fixed%mechanism = options%mechanism
       fixed%set = options%set
+      fixed%joint = options%joint
       call write_run_options(fixed, head%options)
       do i = 1, size(history%input_text)
          if (history%input_role(i)%s /= 'engine') call add_text(sum, history%input_text(i)%s)

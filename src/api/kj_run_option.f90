@@ -25,6 +25,7 @@ module kj_run_option
       real(wp) :: error = 0.0_wp, turn = 0.0_wp
       logical :: ignore_unsupported = .false., mechanism = .false.
       character(len=MOST_TEXT) :: set = ''      !! name=value,name=value
+      character(len=MOST_TEXT) :: joint = ''    !! id.field=value,id.field=value
       integer :: threads = 1, least_share = 500
       logical :: islands = .false., fast = .false., force = .false.
    end type run_options_t
@@ -82,6 +83,8 @@ module kj_run_option
                    '', 'of a full deck the rigid bodies, joints and springs alone'), &
       run_option_t('set',                A_TEXT,     0.0_wp,     'N=V',  'run check study extract', '', &
                    '', 'values of /PARAMETER: name=value, more behind commas'), &
+      run_option_t('joint',              A_TEXT,     0.0_wp,     'J=V',  'run check study', '', &
+                   '', 'fields of single joints: ID.Kn=V, ID.SA+_rx=V, work units'), &
       run_option_t('threads',            AN_INTEGER, 1.0_wp,     'N',    'run study',       '1; command line: OMP_NUM_THREADS', &
                    '', 'threads of a run, runs at a time of a study'), &
       run_option_t('least_share',        AN_INTEGER, 1.0_wp,     'N',    'run',             '500', &
@@ -190,6 +193,7 @@ contains
       case ('ignore_unsupported'); call flag(options%ignore_unsupported)
       case ('mechanism'); call flag(options%mechanism)
       case ('set'); call word(options%set)
+      case ('joint'); call word(options%joint)
       case ('kn'); call word(options%kn)
       case ('error'); call real_number(options%error)
       case ('turn'); call real_number(options%turn)

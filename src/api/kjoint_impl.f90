@@ -60,6 +60,10 @@ contains
                options%ignore_unsupported, sim%scheme%legacy)
          end if
       end if
+      if (len_trim(options%joint) > 0) then
+         draft%joint_setting = settings_of(options%joint)
+         allocate (draft%joint_set(size(draft%joint_setting)), source=.false.)
+      end if
       if (draft%deck%readable) call build_model(draft, controls, sim%model%model_t, &
          sim%scheme%legacy)
       findings = draft%deck%findings

@@ -6,7 +6,7 @@ module kjoint_c_samples
    use kj_units, only: unit_text
    use kj_version, only: KJOINT_VERSION
    use kj_history, only: history_t, variable_t
-   use kj_channels, only: channels, groups
+   use kj_channels, only: channels, groups, OF_RUN
    use kj_series, only: series_t, find_series, series_value
    use kjoint, only: simulation_history
    use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, put_text, OK, OF_MODEL
@@ -14,7 +14,9 @@ module kjoint_c_samples
    private
 
    public :: kj_version, kj_model_channels, kj_model_shape, kj_model_series, kj_model_unit, &
-      kj_model_curve
+      kj_model_about, kj_model_curve
+
+   integer, parameter :: ABOUT_WIDTH = 120     !! room for an id and a label of a hundred letters
 
 contains
 
@@ -143,6 +145,50 @@ contains
       history = simulation_history(box%sim)
       status = put_text(unit_text(channels(v%channel)%dim, history%units), buffer, size)
    end function kj_model_unit
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_about(model, channel, buffer, size) bind(c) result(status)
+      type(c_ptr), value :: model, channel, buffer
+      integer(c_size_t), value :: size
+
+      type(box_t), pointer :: box
+      type(variable_t) :: v
+      type(error_t), allocatable :: error
+      type(history_t) :: history
+      character(len=:), allocatable :: text
+      integer :: i, n
+
+      if (.not. entered(model, OF_MODEL, box, status)) return
+      call find_variable(box, channel, v, error)
+      status = outcome(error, box%message)
+      if (status /= OK) return
+      history = simulation_history(box%sim)
+      allocate (character(len=60 + ABOUT_WIDTH*v%n_entity) :: text)
+      n = 0
+      call add(trim(channels(v%channel)%meaning))
+      if (channels(v%channel)%owner /= OF_RUN) then
+         associate (e => history%entity(channels(v%channel)%owner))
+            do i = 1, v%n_entity
+               call add(new_line('a')//str(e%id(i))//' ')
+               if (.not. allocated(e%label)) cycle
+               if (allocated(e%label(i)%s)) call add(trim(e%label(i)%s))
+            end do
+         end associate
+      end if
+      status = put_text(text(:n), buffer, size)
+
+   contains
+
+      subroutine add(part)
+         character(len=*), intent(in) :: part
+
+         integer :: last
+
+         last = min(n + len(part), len(text))
+         text(n + 1:last) = part
+         n = last
+      end subroutine add
+   end function kj_model_about
 
    !> See kjoint.h
    integer(c_int) function kj_model_curve(model, name, count, values) bind(c) result(status)

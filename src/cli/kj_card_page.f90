@@ -104,6 +104,7 @@ contains
       line(30:) = trim(f%meaning)
       if (f%dim > 1) line = trim(line)//' ['//trim(dimensions(f%dim)%name)//']'
       if (kind /= 'real') line = trim(line)//' ('//trim(kind)//')'
+      if (f%since > 0) line = trim(line)//', format '//str(f%since)//' and later'
       call print_line('   '//trim(line))
    end subroutine print_field
 

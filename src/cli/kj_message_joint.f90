@@ -236,6 +236,12 @@ module kj_message_joint
       'Give it mass by /ADMAS or by the mass of the spring, or hold it by /BCS to say so.'), &
    message_t('KJ-9230', SEV_ERROR, 'a scale of abscissae is negative', 'It would turn the function round.', &
       'Mirror the function with /MOVE_FUNCT.'), &
+   message_t('KJ-9430', SEV_ERROR, 'there is no such joint', &
+      'A field was set with --joint for an element that is no joint of the deck.', &
+      'Correct the id.'), &
+   message_t('KJ-9431', SEV_ERROR, 'a joint has no such field', &
+      'A field that --joint sets is none of its property, or its value is no number.', &
+      '`kjoint help /PROP/KJOINT2` lists them; that of a direction is K_rx, SA+_rx.'), &
    message_t('KJ-9302', SEV_WARNING, 'a joint gave way', &
       'The two ends of a joint moved apart in a blocked direction by more than 1 % of the '// &
       'longer arm, from joint node to centre of gravity, or turned apart by 0.01 rad. Blocked '// &

@@ -19,8 +19,8 @@ module kj_cards
    implicit none
    private
 
-   public :: cards_t, read_cards, real_of, int_of, text_of, is_given, report, report_cut_deck, &
-      rows_t, card_row_t, read_rows, row_of, report_row
+   public :: cards_t, read_cards, put_real, real_of, int_of, text_of, is_given, report, &
+      report_cut_deck, rows_t, card_row_t, read_rows, row_of, report_row
 
    integer, parameter, public :: MOST_FIELDS = 160   !! more than any keyword has
 
@@ -292,6 +292,22 @@ contains
       k = find(cards, name)
       if (k > 0) value = cards%real_value(k)
    end function real_of
+
+   !> Another value of a real field, in work units; found: the layout of this block has it
+   pure subroutine put_real(cards, name, value, found)
+      type(cards_t), intent(inout) :: cards
+      character(len=*), intent(in) :: name
+      real(wp), intent(in) :: value
+      logical, intent(out) :: found
+
+      integer :: k
+
+      k = find(cards, name)
+      found = k > 0
+      if (.not. found) return
+      cards%real_value(k) = value
+      cards%given(k) = .true.
+   end subroutine put_real
 
    !> Integer field; 0 when it is blank, or not in the layout of this block
    pure integer function int_of(cards, name) result(value)

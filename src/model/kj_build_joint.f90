@@ -16,6 +16,7 @@ module kj_build_joint
    use kj_attach_joint, only: match_skews, frame_of_skews, frame_of_nodes, angles_of_skews
    use kj_attach_spring, only: attach_spring, weigh_springs
    use kj_check_scene, only: warn_of_ends
+   use kj_joint_setting, only: set_fields, report_unset
    use kj_lead_map, only: build_lead_map
    implicit none
    private
@@ -44,6 +45,7 @@ contains
       allocate (joint(draft%elements%n), model%joint(draft%elements%n), &
          model%joint_name(draft%elements%n))
       call attach_elements(draft, 1, n, joint, model)
+      call report_unset(draft)
       model%n_joint = model%n_element
       call attach_elements(draft, n + 1, size(draft%properties), joint, model)
       model%n_spring = model%n_element - model%n_joint
@@ -70,6 +72,8 @@ contains
          if (part == 0) cycle
          property = draft%part_property(part)
          if (property == 0 .or. property < least .or. property > most) cycle
+         if (.not. allocated(draft%properties(property)%spring)) &
+            call set_fields(draft, draft%elements%card(i)%ints(1), property)
          n = n + 1
          joint(n)%card = draft%elements%card(i)
          joint(n)%property = property

@@ -8,6 +8,7 @@ module kj_draft
    use kj_deck_text, only: deck_t, line_text, place_of, report_header
    use kj_cards, only: cards_t, card_row_t, int_of, report
    use kj_curve, only: curve_set_t
+   use kj_parameter, only: setting_t
    use kj_model, only: skew_set_t
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: KJOINT
@@ -122,6 +123,9 @@ module kj_draft
       integer, allocatable :: property_block(:)  !! KJOINT, KJOINT2, then springs of types 4 and 8
       integer, allocatable :: part_property(:)   !! place in property_block, 0 = none
       integer, allocatable :: part_ids(:, :)     !! (3, parts) ids of property, material, subset
+      !> "joint.field", value from outside; not allocated: none
+      type(setting_t), allocatable :: joint_setting(:)
+      logical, allocatable :: joint_set(:)       !! the joint of the setting is there
       type(move_t), allocatable :: moves(:)      !! of submodels
       integer, allocatable :: node_submodel(:)   !! where the deck has submodels: that of each node
    end type draft_t

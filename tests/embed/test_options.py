@@ -20,7 +20,7 @@ BASE = dict(ignore_unsupported=1)
 OTHER = dict(formulation="legacy", integrator="liemid", dt_rule="nodal", dt_scale=0.3,
              dt_max_scale=0.01, until=0.01, sample=0.01, energy_limit=1e-12, kn_scale=0.5,
              kn="inf", error=1e-6, turn=0.001, fast=1, ignore_unsupported=0, mechanism=1,
-             set="gone=1", threads=2, least_share=1, islands=1, force=1)
+             set="gone=1", joint="1.Cr=0.5", threads=2, least_share=1, islands=1, force=1)
 # these go with the integrator compliant alone
 BESIDE = dict.fromkeys(("kn", "error", "turn"), dict(integrator="compliant"))
 # the deck is all mechanism: what is out of scope there is left out with it or without

@@ -248,14 +248,14 @@ class Models(unittest.TestCase):
     def test_errors(self):
         with self.assertRaisesRegex(kjoint.Error, "no formulation"):
             kjoint.Model(REV01, formulation="fast")
-        with self.assertRaises(TypeError):
+        with self.assertRaisesRegex(kjoint.Error, "no option 'speed'"):
             kjoint.Model(REV01, speed=3)
         with self.assertRaises(kjoint.Error):
             kjoint.Model("no_such_0000.rad")
         model = kjoint.Model(REV01, until=0.1)
         with self.assertRaisesRegex(kjoint.Error, "no channel"):
             model["joint/farce"]
-        with self.assertRaisesRegex(ValueError, "not free"):
+        with self.assertRaisesRegex(kjoint.Error, "not free"):
             m = kjoint.Mechanism()
             m.joint("revolute", m.ground(), m.body(1, (1, 1, 1), (1, 0, 0)), (0, 0, 0),
                     k={"ty": 1.0})
@@ -322,7 +322,7 @@ class Elements(unittest.TestCase):
         self.assertAlmostEqual(joints.critical_step, 2/np.sqrt(5), 9)
         self.assertEqual(len(joints), 1)
         self.assertEqual(joints.result(0).type, 9)
-        with self.assertRaises(ValueError):
+        with self.assertRaises(kjoint.Error):
             joints.forces(0.2, 0.1, x[:1], zero, zero, f, m, q)
 
     def test_each_of_many_joints_has_its_own_law(self):
@@ -482,25 +482,25 @@ class Misuse(unittest.TestCase):
         self.refused(lambda: self.model().run().write_history("/no/such/folder/x.h5"), 3)
 
     def test_a_text_is_one_text(self):
-        with self.assertRaises(ValueError):
+        with self.assertRaises(kjoint.Error):
             kjoint.Model(REV01, integrator="split2 islands=1")
         for call in (lambda: kjoint.Model(REV01 + "\0"), lambda: kjoint.Joints(2, "legacy\0"),
                      lambda: self.model().unit("time\0")):
-            with self.assertRaises(ValueError):
+            with self.assertRaises(kjoint.Error):
                 call()
 
     def test_a_title_is_no_card(self):
         for text in ("a\n/END", "a\r/END", "/END", " /END", "# a", "$ a", "a\x1b[2J", "a\u2028b"):
-            with self.assertRaises(ValueError):
+            with self.assertRaises(kjoint.Error):
                 kjoint.Mechanism(text)
             mechanism = kjoint.Mechanism("é, a title")
-            with self.assertRaises(ValueError):
+            with self.assertRaises(kjoint.Error):
                 mechanism.body(1.0, (1, 1, 1), (0, 0, 0), name=text)
             body = mechanism.body(1.0, (1, 1, 1), (0, 0, 0))
-            with self.assertRaises(ValueError):
+            with self.assertRaises(kjoint.Error):
                 mechanism.joint("revolute", mechanism.ground(), body, (0, 0, 0), name=text)
             mechanism.title = text
-            with self.assertRaises(ValueError):
+            with self.assertRaises(kjoint.Error):
                 mechanism.deck()
 
     def test_a_number_stays_in_its_columns(self):
