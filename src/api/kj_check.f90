@@ -1,6 +1,7 @@
 !> What `check_simulation` tells of a scene before it runs.
 module kj_check
    use kj_kinds, only: wp
+   use kj_text, only: text_t
    implicit none
    private
 
@@ -32,7 +33,8 @@ module kj_check
       real(wp) :: stiffest = 0.0_wp               !! frequency of the stiffest blocked row alone
       integer :: n_redundant = 0                  !! blocked rows that repeat others; -1: too many
       real(wp) :: factor = 0.0_wp                 !! on the critical step, of deck or options
-      integer :: safe_joint = 0                   !! joint or spring that holds it, 0 = none
+      integer :: safe_joint = 0                   !! place of the joint that holds it, 0 = none
+      real(wp) :: t_stop = 0.0_wp                 !! end of a run
       real(wp) :: cycles = 0.0_wp                 !! of a run, about
       real(wp) :: seconds = 0.0_wp                !! that it takes by the pace of its first cycles
       real(wp) :: samples = 0.0_wp                !! that it writes, each of `values` numbers
@@ -40,6 +42,7 @@ module kj_check
       real(wp), allocatable :: island_step(:)     !! safe steps of islands; huge: none
       ! joints in deck order, then springs in deck order
       integer, allocatable :: joint(:), property(:)   !! (n_joint)
+      type(text_t), allocatable :: joint_title(:) !! (n_joint) "pin C (903)", or the id alone
       integer, allocatable :: row(:)              !! (n_joint) of kj_joint_types
       integer, allocatable :: kind(:)             !! (n_joint) KJOINT, KJOINT2, SPRING4 or SPRING8
       integer, allocatable :: frame(:)            !! (n_joint) FRAME_ constant
@@ -55,6 +58,7 @@ module kj_check
       type(limit_row_t), allocatable :: limit(:)
       ! bodies in ascending id
       integer, allocatable :: body_id(:), n_secondary(:), n_joint(:)   !! (n_body)
+      type(text_t), allocatable :: body_title(:)  !! (n_body) as of joints
       real(wp), allocatable :: mass(:)            !! (n_body)
       real(wp), allocatable :: inertia(:, :)      !! (3, n_body) principal, descending
       real(wp), allocatable :: centre(:, :)       !! (3, n_body) centre of gravity, W

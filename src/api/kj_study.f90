@@ -4,6 +4,8 @@ module kj_study
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, ERR_RUN
    use kj_system, only: thread_clock
+   use kj_channels, only: OF_JOINT
+   use kj_history, only: entity_title
    use kj_study_metric, only: study_sink_t, class_errors, N_CLASS
    use kj_study_table, only: study_t, trial_t, FINER, find_orders, foretell
    use kj_study_truth, only: STIFFER, extrapolate, soften
@@ -339,6 +341,7 @@ contains
       trial%energy = sink%energy
       trial%gap = sink%gap
       trial%gap_rot = sink%gap_rot
+      if (sink%gap_joint > 0) trial%gap_title = entity_title(sink%history, OF_JOINT, sink%gap_joint)
    end subroutine timed_run
 
 end module kj_study

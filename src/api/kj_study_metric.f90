@@ -35,6 +35,7 @@ module kj_study_metric
       real(wp) :: energy = 0.0_wp               !! largest |energy error| of all rows
       !> largest violation of all rows, length and angle
       real(wp) :: gap = 0.0_wp, gap_rot = 0.0_wp
+      integer :: gap_joint = 0                  !! that opened most, its place; 0: none
    contains
       procedure :: open => open_study
       procedure :: put => put_study
@@ -59,6 +60,7 @@ contains
       self%n_put = 0
       self%energy = 0.0_wp
       self%gap = 0.0_wp
+      self%gap_joint = 0
       self%gap_rot = 0.0_wp
    end subroutine open_study
 
@@ -125,7 +127,10 @@ contains
          associate (v => self%history%variable(i))
             associate (now => row(v%first:v%first + v%n_entity*v%n_comp - 1))
                if (v%channel == CH_ENERGY_ERROR) call raise(self%energy, now)
-               if (v%channel == CH_J_VIOL_T) call raise(self%gap, now)
+               if (v%channel == CH_J_VIOL_T) then
+                  if (maxval(now) > self%gap) self%gap_joint = maxloc(now, dim=1)
+                  call raise(self%gap, now)
+               end if
                if (v%channel == CH_J_VIOL_R) call raise(self%gap_rot, now)
             end associate
          end associate

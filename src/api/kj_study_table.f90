@@ -28,6 +28,7 @@ module kj_study_table
       real(wp) :: by_joints = 0.0_wp             !! of the finest steps at this Kn
       real(wp) :: energy = 0.0_wp                !! largest |energy error|, a fraction
       real(wp) :: gap = 0.0_wp, gap_rot = 0.0_wp !! largest violation
+      character(len=:), allocatable :: gap_title !! "pin C (903)", where that was
       real(wp) :: order = 0.0_wp                 !! from the step before it in its family, 0 = none
    end type trial_t
 

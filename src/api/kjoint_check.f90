@@ -12,6 +12,8 @@ submodule (kjoint) kjoint_check
    use kj_system, only: wall_clock
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_islands, only: find_islands, island_steps
+   use kj_error, only: str
+   use kj_text, only: text_t
    use kj_consistent_nodal_step, only: nodal_bound, exact_bound
    use kj_consistent_compliant_check, only: compliant_outlook
    implicit none
@@ -31,6 +33,7 @@ contains
       call tell_bodies(sim%model%model_t, report)
       call tell_limits(sim%model%model_t, report)
       report%factor = critical_factor(sim%scheme, sim%model)
+      report%t_stop = sim%model%control%t_stop
       call try_run(sim, report, error)
    end procedure check_simulation
 
@@ -78,6 +81,7 @@ contains
       n = model%n_element
       report%n_spring = model%n_spring
       report%joint = model%joint%id
+      call find_titles(model%joint_name, report%joint, report%joint_title)
       report%property = model%joint%property
       report%row = model%joint%row
       allocate (report%kind(n), report%frame(n), report%node(2, n), report%automatic(n))
@@ -102,6 +106,21 @@ contains
          end associate
       end do
    end subroutine tell_joints
+
+   !> "pin C (903)": names as in the deck with their ids, or these alone
+   pure subroutine find_titles(name, id, title)
+      type(text_t), intent(in) :: name(:)
+      integer, intent(in) :: id(:)
+      type(text_t), allocatable, intent(out) :: title(:)
+
+      integer :: i
+
+      allocate (title(size(id)))
+      do i = 1, size(id)
+         title(i)%s = str(id(i))
+         if (len_trim(name(i)%s) > 0) title(i)%s = trim(name(i)%s)//' ('//title(i)%s//')'
+      end do
+   end subroutine find_titles
 
    !> Stops, friction and locks of KJOINT2
    subroutine tell_stops(model, report)
@@ -186,6 +205,7 @@ contains
 
       n = model%n_body
       report%body_id = model%body_id
+      call find_titles(model%body_name, report%body_id, report%body_title)
       report%n_secondary = model%n_secondary
       report%n_joint = model%map%first(2:n + 1) - model%map%first(:n)
       report%mass = model%mass(:n)
@@ -239,7 +259,7 @@ contains
          do j = 1, model%n_element
             at = model%batch(model%joint(j)%batch)%first + model%joint(j)%place
             report%step(j) = bound%limit(at)
-            if (bound%joint == at) report%safe_joint = model%joint(j)%id
+            if (bound%joint == at) report%safe_joint = j
          end do
       end subroutine sort_limits
    end subroutine tell_limits

@@ -191,6 +191,9 @@ contains
       associate (h => sim%history, m => sim%model%model_t)
          h%title = m%title
          h%legacy = sim%scheme%legacy
+         h%integrator = 'split2'
+         if (h%legacy) h%integrator = 'legacy'
+         if (sim%options%integrator /= '') h%integrator = trim(sim%options%integrator)
          h%units = m%units
          if (m%control%sample > 0.0_wp) &
             h%n_expected = nint(min(1.0e6_wp, m%control%t_stop/m%control%sample)) + 2

@@ -1,31 +1,102 @@
-!> `kjoint check`: reads and checks a deck, and prints what its scene is like.
+!> `kjoint check`: reads and checks decks, and prints what their scenes are like.
 module kj_check_command
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, add_finding, str
-   use kj_joint_types, only: joint_types, FRAME_MEAN, FRAME_FIRST, FRAME_SECOND, FRAME_FIXED, &
-      FRAME_APART, FRAME_LINE
-   use kj_joint_batch, only: KJOINT2, SPRING4, SPRING8, SPRING13
-   use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_error, only: error_t, finding_list_t, add_finding, str, SEV_WARNING, ERR_INPUT
+   use kj_output, only: write_output
+   use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE, OPT_JSON, OPT_JUNIT, OPT_WERROR
    use kj_terminal, only: print_line, may_colour, STDERR
-   use kj_render, only: print_findings, print_failure
-   use kj_words, only: left, right, counted
-   use kj_progress, only: span_text
-   use kj_json_writer, only: json_member, json_pair, json_real, json_reals, json_findings, comma
-   use kj_check_limits, only: print_limits, limits_json
+   use kj_render, only: print_findings, print_failure, render
+   use kj_words, only: buffer_t, add, counted, escaped
+   use kj_json_writer, only: json_member
+   use kj_check_report, only: print_report, print_json
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
-   use kjoint, only: simulation_t, run_options_t, check_t, load_simulation, check_simulation, &
-      simulation_title
+   use kjoint, only: simulation_t, run_options_t, check_t, load_simulation, check_simulation
    implicit none
    private
 
    public :: check_command
 
+   character(len=*), parameter :: NL = new_line('a')
+
 contains
 
-   !> Check a deck as the arguments say; everything that is to be said has been said on return
+   !> Check the decks that the arguments name; everything that is to be said has been said on return
    subroutine check_command(args, code)
       type(arguments_t), intent(in) :: args
-      integer, intent(out) :: code                   !! exit code
+      integer, intent(out) :: code                   !! exit code: the largest of the decks
+
+      type(arguments_t) :: one
+      type(buffer_t) :: cases
+      type(error_t), allocatable :: error
+      integer :: first, n_deck, n_failed
+      logical :: several
+
+      code = 0
+      n_deck = 0
+      n_failed = 0
+      several = args%n_operand > 2
+      if (args%n_operand == 2) several = starts_deck(args, 2)
+      if (several .and. args%given(OPT_JSON)) call print_line('{"decks": [')
+      first = 1
+      do while (first <= args%n_operand)
+         one = args
+         one%operand(1) = args%operand(first)
+         one%n_operand = 1
+         if (first < args%n_operand) then
+            if (.not. starts_deck(args, first + 1)) then
+               one%n_operand = 2
+               one%operand(2) = args%operand(first + 1)
+            end if
+         end if
+         first = first + one%n_operand
+         if (several .and. .not. args%given(OPT_JSON) .and. .not. args%given(OPT_QUIET)) then
+            if (n_deck > 0) call print_line('')
+            call print_line('== '//one%operand(1)%s)
+         end if
+         n_deck = n_deck + 1
+         call check_deck(one, cases, code, n_failed)
+         if (several .and. args%given(OPT_JSON) .and. first <= args%n_operand) call print_line(',')
+      end do
+      if (args%given(OPT_JUNIT)) call write_output(args%value(OPT_JUNIT)%s, &
+         '<?xml version="1.0" encoding="UTF-8"?>'//NL//'<testsuite name="kjoint check" tests="'// &
+         str(n_deck)//'" failures="'//str(n_failed)//'">'//NL//cases%s(:cases%n)// &
+         '</testsuite>'//NL, args%operand(:args%n_operand), error)
+      if (allocated(error)) then
+         call print_failure(error, may_colour(STDERR))
+         code = max(code, error%code)
+      end if
+      if (.not. several) return
+      if (args%given(OPT_JSON)) then
+         call print_line('], '//json_member('exit_code', code)//'}')
+      else if (.not. args%given(OPT_QUIET)) then
+         call print_line('')
+         call print_line(counted(n_deck, 'deck', 'decks')//', '//str(n_failed)//' refused')
+      end if
+   end subroutine check_command
+
+   !> Whether an operand is a starter deck: DECK_0000.rad; of two decks the second is an engine deck
+   !> unless it has such a name, of more those named DECK_0001.rad, DECK_0002.rad...
+   pure logical function starts_deck(args, i)
+      type(arguments_t), intent(in) :: args
+      integer, intent(in) :: i
+
+      integer :: n
+
+      associate (path => args%operand(i)%s)
+         n = len(path)
+         starts_deck = args%n_operand > 2
+         if (n < 9) return
+         if (path(n - 3:) /= '.rad' .or. path(n - 8:n - 8) /= '_') return
+         if (verify(path(n - 7:n - 4), '0123456789') == 0) starts_deck = path(n - 7:n - 4) == '0000'
+      end associate
+   end function starts_deck
+
+   !> Check one deck, and say what comes of it
+   subroutine check_deck(args, cases, code, n_failed)
+      type(arguments_t), intent(in) :: args          !! with this deck alone
+      type(buffer_t), intent(inout) :: cases         !! of JUnit
+      integer, intent(inout) :: code                 !! exit code, raised by that of this deck
+      integer, intent(inout) :: n_failed             !! decks with another exit code than 0
 
       type(run_options_t) :: options
       type(simulation_t) :: sim
@@ -33,6 +104,7 @@ contains
       type(finding_list_t) :: findings
       type(error_t), allocatable :: error, no_end
       character(len=:), allocatable :: engine
+      integer :: own
       logical :: well
 
       call take_run_options(args, options, error)
@@ -42,348 +114,61 @@ contains
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
       end if
       if (.not. allocated(error) .and. allocated(no_end)) call move_alloc(no_end, error)
-      code = exit_code(findings, error)
       well = .not. allocated(error) .and. findings%n_error == 0
       if (well) call check_simulation(sim, report, error)
-      code = exit_code(findings, error)
+      own = exit_code(findings, error)
+      if (own == 0 .and. args%given(OPT_WERROR) .and. findings%n_warning > 0) own = ERR_INPUT
+      code = max(code, own)
+      if (own /= 0) n_failed = n_failed + 1
       if (args%given(OPT_JSON)) then
          if (allocated(error)) call add_finding(findings, error)
-         call print_json(sim, report, well, code, findings)
-         return
+         call print_json(args%operand(1)%s, sim, report, well, own, findings)
+      else
+         call print_findings(findings, may_colour(STDERR), args%given(OPT_VERBOSE), &
+            args%given(OPT_QUIET))
+         if (allocated(error)) call print_failure(error, may_colour(STDERR))
+         if (well .and. .not. args%given(OPT_QUIET)) call print_report(sim, report, findings)
+         if (allocated(error)) call add_finding(findings, error)
       end if
-      call print_findings(findings, may_colour(STDERR), args%given(OPT_VERBOSE), &
-         args%given(OPT_QUIET))
-      if (allocated(error)) call print_failure(error, may_colour(STDERR))
-      if (well .and. .not. args%given(OPT_QUIET)) call print_report(sim, report, findings)
-   end subroutine check_command
+      call add_case(args%operand(1)%s, findings, own /= 0, cases)
+   end subroutine check_deck
 
-   subroutine print_report(sim, report, findings)
-      type(simulation_t), intent(in) :: sim
-      type(check_t), intent(in) :: report
+   !> A test case of JUnit: a deck fails by its errors, or by warnings where these count
+   subroutine add_case(deck, findings, failed, cases)
+      character(len=*), intent(in) :: deck
       type(finding_list_t), intent(in) :: findings
-
-      call print_line(trim(simulation_title(sim)))
-      call print_line('   '//counted(size(report%joint) - report%n_spring, 'joint', 'joints')// &
-         ', '//springs_text(report%n_spring)// &
-         counted(size(report%body_id), 'rigid body', 'rigid bodies')//', '// &
-         counted(report%n_node, 'node', 'nodes')//' ('// &
-         str(report%n_free)//' free), '//counted(report%n_curve, 'function', 'functions')//', '// &
-         counted(report%n_load, 'load', 'loads'))
-      if (size(report%joint) > 0) call print_joints(report)
-      if (size(report%body_id) > 0) call print_bodies(report)
-      call print_line('')
-      call print_line('critical time step (a run takes '//fixed(report%factor, 3)//' of it)')
-      call print_line('   nodal rule  '//trim(step_text(report%nodal_step)))
-      if (report%safe_joint > 0) then
-         call print_line('   safe        '//step_text(report%safe_step)//'  (joint '// &
-            str(report%safe_joint)//')')
-      else
-         call print_line('   safe        '//trim(step_text(report%safe_step)))
-      end if
-      if (size(report%island_step) > 1) call print_line('   islands     '// &
-         str(size(report%island_step))//', safe from '// &
-         trim(step_text(minval(report%island_step)))//' to '// &
-         trim(step_text(maxval(report%island_step)))//'  (each its own by --islands)')
-      if (report%exact_step > 0.0_wp) then
-         call print_line('   exact       '//trim(step_text(report%exact_step)))
-      else
-         call print_line('   exact       not computed: the scene is too large')
-      end if
-      call print_compliant(report)
-      if (report%seconds > 0.0_wp) then
-         call print_line('')
-         call print_line('run: about '//amount(report%cycles)//' cycles, '// &
-            amount(report%samples)//' samples of '//str(report%values)//' numbers; '// &
-            span_text(report%seconds)//' at the pace of the first cycles')
-      end if
-      call print_line('')
-      call print_line('findings: '//counted(findings%n_error, 'error', 'errors')//', '// &
-         counted(findings%n_warning, 'warning', 'warnings'))
-   end subroutine print_report
-
-   !> What --integrator compliant would make of the scene
-   subroutine print_compliant(report)
-      type(check_t), intent(in) :: report
-
-      real(wp) :: h
-
-      call print_line('step of --integrator compliant (error, samples, stops may ask for less)')
-      call print_line('   turn        '//trim(step_text(report%turn_step))//'  (0.1 rad of a body)')
-      call print_line('   springs     '//trim(step_text(report%spring_step)))
-      h = min(report%turn_step, report%spring_step)
-      if (h < 0.5_wp*huge(h) .and. report%stiffest > 0.0_wp) call print_line( &
-         '   stiffness   w h = '//trim(number(report%stiffest*h))// &
-         ' of the stiffest blocked direction')
-      if (report%n_redundant > 0) call print_line('   redundant   '// &
-         counted(report%n_redundant, 'blocked direction', 'blocked directions')// &
-         ': Kn shares the forces among them')
-   end subroutine print_compliant
-
-   !> "3 springs, ", nothing where there is none
-   pure function springs_text(n) result(text)
-      integer, intent(in) :: n
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (n > 0) text = counted(n, 'spring', 'springs')//', '
-   end function springs_text
-
-   subroutine print_joints(report)
-      type(check_t), intent(in) :: report
-
-      character(len=:), allocatable :: line
-      integer :: j
-
-      call print_line('')
-      call print_line('     joint  type            bodies              frame       '// &
-         'length       blocking k   (rotation)   damping  critical dt')
-      do j = 1, size(report%joint)
-         line = right(str(report%joint(j)), 10)//'  '//type_text(report, j)//'  '// &
-            left(body_text(report%body(:, j)), 18)//'  '//frame_text(report%frame(j))//'  '
-         line = line//number(report%length(j))//'  '//blocking_text(report, j, 1)//'  '// &
-            blocking_text(report, j, 2)//'  '//right(fixed(report%ratio(j), 3), 7)//'  '// &
-            step_text(report%step(j))
-         call print_line(trim(line))
-      end do
-      call print_line('   blocking k of rotations: moment per rad; damping: largest ratio '// &
-         'c/(2 sqrt(k m)) of all directions')
-      call print_limits(report)
-   end subroutine print_joints
-
-   subroutine print_bodies(report)
-      type(check_t), intent(in) :: report
-
-      integer :: b
-
-      call print_line('')
-      call print_line('      body  mass         principal inertia                      '// &
-         'centre of gravity                      joints  held     driven')
-      do b = 1, size(report%body_id)
-         call print_line(right(str(report%body_id(b)), 10)//'  '//number(report%mass(b))//'  '// &
-            three(report%inertia(:, b))//'  '//three(report%centre(:, b))//'  '// &
-            right(str(report%n_joint(b)), 6)//'  '//left(held_text(report%held(:, b)), 7)//'  '// &
-            str(report%n_driven(b)))
-      end do
-   end subroutine print_bodies
-
-   !> 'revolute', with a 2 behind that of a KJOINT2; springs by their property
-   pure function type_text(report, j) result(text)
-      type(check_t), intent(in) :: report
-      integer, intent(in) :: j
-      character(len=14) :: text
-
-      text = joint_types(report%row(j))%name
-      if (report%kind(j) == KJOINT2) text = trim(text)//'2'
-      if (report%kind(j) == SPRING4) text = 'spring, type 4'
-      if (report%kind(j) == SPRING8) text = 'spring, type 8'
-      if (report%kind(j) == SPRING13) text = 'spring type 13'
-   end function type_text
-
-   pure function body_text(body) result(text)
-      integer, intent(in) :: body(2)
-      character(len=:), allocatable :: text
-
-      character(len=:), allocatable :: one(:)
-
-      allocate (character(len=12) :: one(2))
-      one = 'node'
-      if (body(1) > 0) one(1) = str(body(1))
-      if (body(2) > 0) one(2) = str(body(2))
-      text = trim(one(1))//' - '//trim(one(2))
-   end function body_text
-
-   !> How the joint frame turns
-   pure function frame_text(frame) result(text)
-      integer, intent(in) :: frame                  !! FRAME_ constant
-      character(len=10) :: text
-
-      text = 'cross'
-      if (frame == FRAME_MEAN) text = 'mean'
-      if (frame == FRAME_FIRST) text = 'first skew'
-      if (frame == FRAME_SECOND) text = 'skew end 2'
-      if (frame == FRAME_FIXED) text = 'fixed'
-      if (frame == FRAME_APART) text = 'skew apart'
-      if (frame == FRAME_LINE) text = 'line'
-   end function frame_text
-
-   !> Stiffness of the blocked translations (1) or rotations (2)
-   function blocking_text(report, j, which) result(text)
-      type(check_t), intent(in) :: report
-      integer, intent(in) :: j, which
-      character(len=11) :: text
-
-      text = '-'
-      if (report%blocking(which, j) > 0.0_wp) text = number(report%blocking(which, j))
-      if (report%automatic(j)) text = 'automatic'
-   end function blocking_text
-
-   !> 'xyz xyz': held translations and rotations, '-' where free
-   pure function held_text(held) result(text)
-      logical, intent(in) :: held(6)
-      character(len=7) :: text
+      logical, intent(in) :: failed
+      type(buffer_t), intent(inout) :: cases
 
       integer :: i
 
-      text = '--- ---'
-      do i = 1, 3
-         if (held(i)) text(i:i) = 'xyz'(i:i)
-         if (held(i + 3)) text(i + 4:i + 4) = 'xyz'(i:i)
+      call add(cases, '  <testcase classname="kjoint.check" name="'//escaped(deck)//'">')
+      if (failed) call add(cases, '<failure message="'// &
+         counted(findings%n_error, 'error', 'errors')//', '// &
+         counted(findings%n_warning, 'warning', 'warnings')//'">'//NL)
+      if (.not. failed .and. findings%n_warning > 0) call add(cases, '<system-out>'//NL)
+      do i = 1, findings%n
+         if (findings%item(i)%severity >= SEV_WARNING) &
+            call add_lines(render(findings%item(i), .false.), cases)
       end do
-   end function held_text
+      if (failed) call add(cases, '</failure>')
+      if (.not. failed .and. findings%n_warning > 0) call add(cases, '</system-out>')
+      call add(cases, '</testcase>'//NL)
+   end subroutine add_case
 
-   function step_text(step) result(text)
-      real(wp), intent(in) :: step
-      character(len=11) :: text
+   !> Lines as content of XML
+   subroutine add_lines(text, cases)
+      character(len=*), intent(in) :: text
+      type(buffer_t), intent(inout) :: cases
 
-      text = 'no limit'
-      if (step < 0.5_wp*huge(step)) text = number(step)
-   end function step_text
+      integer :: first, n
 
-   !> A count in three digits: "951", "40600", "1.23E+09"
-   pure function amount(value) result(text)
-      real(wp), intent(in) :: value
-      character(len=:), allocatable :: text
-
-      character(len=12) :: buffer
-
-      if (value < 1.0e3_wp) then
-         write (buffer, '(i0)') nint(value)
-      else if (value < 1.0e6_wp) then
-         write (buffer, '(i0)') 100*nint(value/100.0_wp)
-      else
-         write (buffer, '(es9.2)') value
-      end if
-      text = trim(adjustl(buffer))
-   end function amount
-
-   pure function number(value) result(text)
-      real(wp), intent(in) :: value
-      character(len=11) :: text
-
-      write (text, '(es11.4)') value
-      text = adjustl(text)
-   end function number
-
-   pure function three(value) result(text)
-      real(wp), intent(in) :: value(3)
-      character(len=37) :: text
-
-      text = number(value(1))//'  '//number(value(2))//'  '//number(value(3))
-   end function three
-
-   pure function fixed(value, digits) result(text)
-      real(wp), intent(in) :: value
-      integer, intent(in) :: digits
-      character(len=:), allocatable :: text
-
-      character(len=24) :: buffer, form
-
-      if (abs(value) >= 1.0e4_wp) then
-         write (buffer, '(es9.2)') value
-      else
-         write (form, '(a,i0,a)') '(f12.', digits, ')'
-         write (buffer, form) value
-      end if
-      text = trim(adjustl(buffer))
-   end function fixed
-
-   subroutine print_json(sim, report, well, code, findings)
-      type(simulation_t), intent(in) :: sim
-      type(check_t), intent(in) :: report
-      logical, intent(in) :: well
-      integer, intent(in) :: code
-      type(finding_list_t), intent(in) :: findings
-
-      integer :: i
-
-      call print_line('{'//json_member('exit_code', code))
-      if (well) then
-         call print_line(', '//json_member('title', trim(simulation_title(sim)))// &
-            ', '//json_member('nodes', report%n_node)// &
-            ', '//json_member('free_nodes', report%n_free)// &
-            ', '//json_member('functions', report%n_curve)// &
-            ', '//json_pair('nodal_step', json_step(report%nodal_step))// &
-            ', '//json_pair('safe_step', json_step(report%safe_step))// &
-            ', '//json_member('safe_joint', report%safe_joint)// &
-            ', '//json_pair('island_steps', '['//steps_json(report%island_step)//']')// &
-            ', '//json_pair('exact_step', json_step(report%exact_step))// &
-            ', '//json_pair('turn_step', json_step(report%turn_step))// &
-            ', '//json_pair('spring_step', json_step(report%spring_step))// &
-            ', '//json_pair('stiffest_frequency', json_real(report%stiffest))// &
-            ', '//json_member('redundant', report%n_redundant)// &
-            ', '//json_member('factor', report%factor)// &
-            ', '//json_member('cycles', report%cycles)// &
-            ', '//json_member('samples', report%samples)// &
-            ', '//json_member('seconds', report%seconds))
-         call print_line(', "joints": [')
-         do i = 1, size(report%joint)
-            call print_line(joint_json(report, i)//trim(comma(i, size(report%joint))))
-         end do
-         call print_line('], "bodies": [')
-         do i = 1, size(report%body_id)
-            call print_line(body_json(report, i)//trim(comma(i, size(report%body_id))))
-         end do
-         call print_line(']')
-      end if
-      call print_line(', '//json_findings(findings)//'}')
-   end subroutine print_json
-
-   function joint_json(report, j) result(json)
-      type(check_t), intent(in) :: report
-      integer, intent(in) :: j
-      character(len=:), allocatable :: json
-
-      json = '{'//json_member('id', report%joint(j))// &
-         ', '//json_member('type', trim(type_text(report, j)))// &
-         ', '//json_member('property', report%property(j))// &
-         ', '//json_pair('nodes', '['//str(report%node(1, j))//', '// &
-         str(report%node(2, j))//']')// &
-         ', '//json_pair('bodies', '['//str(report%body(1, j))//', '// &
-         str(report%body(2, j))//']')// &
-         ', '//json_member('frame', trim(frame_text(report%frame(j))))// &
-         ', '//json_member('length', report%length(j))// &
-         ', '//json_member('blocking_translation', report%blocking(1, j))// &
-         ', '//json_member('blocking_rotation', report%blocking(2, j))// &
-         ', '//json_member('damping_ratio', report%ratio(j))// &
-         ', '//json_pair('critical_step', json_step(report%step(j)))// &
-         ', '//limits_json(report, j)//'}'
-   end function joint_json
-
-   function body_json(report, b) result(json)
-      type(check_t), intent(in) :: report
-      integer, intent(in) :: b
-      character(len=:), allocatable :: json
-
-      json = '{'//json_member('id', report%body_id(b))// &
-         ', '//json_member('mass', report%mass(b))// &
-         ', '//json_pair('inertia', json_reals(report%inertia(:, b)))// &
-         ', '//json_pair('centre', json_reals(report%centre(:, b)))// &
-         ', '//json_member('secondary_nodes', report%n_secondary(b))// &
-         ', '//json_member('joints', report%n_joint(b))// &
-         ', '//json_member('held', held_text(report%held(:, b)))// &
-         ', '//json_member('driven', report%n_driven(b))//'}'
-   end function body_json
-
-   !> null where nothing limits the step
-   function json_step(step) result(json)
-      real(wp), intent(in) :: step
-      character(len=:), allocatable :: json
-
-      json = 'null'
-      if (step < 0.5_wp*huge(step)) json = json_real(step)
-   end function json_step
-
-   !> Steps with commas between them
-   function steps_json(steps) result(json)
-      real(wp), intent(in) :: steps(:)
-      character(len=:), allocatable :: json
-
-      integer :: i
-
-      json = ''
-      do i = 1, size(steps)
-         json = json//json_step(steps(i))//comma(i, size(steps))
+      first = 1
+      do while (first <= len(text))
+         n = index(text(first:)//NL, NL) - 1
+         call add(cases, escaped(text(first:first + n - 1))//NL)
+         first = first + n + 1
       end do
-   end function steps_json
+   end subroutine add_lines
 
 end module kj_check_command

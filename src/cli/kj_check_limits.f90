@@ -2,6 +2,7 @@
 module kj_check_limits
    use kj_kinds, only: wp
    use kj_error, only: str
+   use kj_text, only: text_t
    use kj_joint_types, only: DOF_NAME
    use kj_terminal, only: print_line
    use kj_words, only: left
@@ -10,7 +11,7 @@ module kj_check_limits
    implicit none
    private
 
-   public :: print_limits, limits_json
+   public :: print_limits, limits_json, title_width, title_cell
 
 contains
 
@@ -18,16 +19,19 @@ contains
    subroutine print_limits(report)
       type(check_t), intent(in) :: report
 
-      integer :: i, j
+      integer :: i, j, n
 
+      n = title_width(report%joint_title)
       if (size(report%limit) > 0) then
          call print_line('')
-         call print_line('     joint  direction  stops                       stiffness'// &
+         call print_line(title_cell('joint', n)// &
+            'direction  stops                       stiffness'// &
             '    friction           stiffness')
       end if
       do i = 1, size(report%limit)
          associate (row => report%limit(i))
-            call print_line(joint_text(report, row%joint)//'  '//left(DOF_NAME(row%dof), 11)// &
+            call print_line(title_cell(report%joint_title(row%joint)%s, n)// &
+               left(DOF_NAME(row%dof), 11)// &
                left(stops_text(row), 28)//left(stiffness_text(row), 13)// &
                left(friction_text(row), 19)//number(row%slip_k))
          end associate
@@ -36,22 +40,37 @@ contains
       do j = 1, size(report%joint)
          if (report%t_lock(j) >= huge(1.0_wp)) cycle
          if (report%t_free(j) < huge(1.0_wp)) then
-            call print_line(joint_text(report, j)//'  locked from '//number(report%t_lock(j))// &
+            call print_line(title_cell(report%joint_title(j)%s, n)// &
+               'locked from '//number(report%t_lock(j))// &
                ' to '//number(report%t_free(j)))
          else
-            call print_line(joint_text(report, j)//'  locked from '//number(report%t_lock(j)))
+            call print_line(title_cell(report%joint_title(j)%s, n)// &
+               'locked from '//number(report%t_lock(j)))
          end if
       end do
    end subroutine print_limits
 
-   pure function joint_text(report, j) result(text)
-      type(check_t), intent(in) :: report
-      integer, intent(in) :: j
-      character(len=10) :: text
+   !> Of the column of titles in a table: longer ones go beyond it
+   pure integer function title_width(title) result(n)
+      type(text_t), intent(in) :: title(:)
 
-      text = str(report%joint(j))
-      text = adjustr(text)
-   end function joint_text
+      integer, parameter :: LEAST = 6, MOST = 32
+      integer :: i
+
+      n = LEAST
+      do i = 1, size(title)
+         n = min(MOST, max(n, len(title(i)%s)))
+      end do
+   end function title_width
+
+   !> A title in its column of n letters, with what stands around it
+   pure function title_cell(title, n) result(cell)
+      character(len=*), intent(in) :: title
+      integer, intent(in) :: n
+      character(len=max(n, len(title)) + 5) :: cell
+
+      cell = '   '//title
+   end function title_cell
 
    !> '-1.4000E+00 to 1.0000E+00 *'; a side without a stop is '-'
    pure function stops_text(row) result(text)

@@ -12,7 +12,7 @@ module kj_cli
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
-   use kj_help, only: print_help, print_help_on
+   use kj_help, only: print_help_on
    use kj_run_command, only: run_command
    use kj_check_command, only: check_command
    use kj_study_command, only: study_command
@@ -36,7 +36,7 @@ contains
       type(arguments_t) :: args
       type(error_t), allocatable :: error
       type(finding_list_t) :: findings
-      character(len=:), allocatable :: text
+      character(len=:), allocatable :: text, topic
 
       call get_words(words)
       call parse_arguments(words, args, error)
@@ -72,12 +72,13 @@ contains
             call recover_history(args%operand(1)%s, text, error)
             if (.not. allocated(error)) call print_text(text)
          case (CMD_LIST)
-            call print_table(args%operand(1)%s, error)
+            call print_table(args%operand(1)%s, args%given(OPT_JSON), error)
          case (CMD_NEW)
             call new_command(args, error)
          case (CMD_HELP)
-            if (args%n_operand == 0) call print_help()
-            if (args%n_operand == 1) call print_help_on(args%operand(1)%s, error)
+            topic = ''
+            if (args%n_operand == 1) topic = args%operand(1)%s
+            call print_help_on(topic, args%given(OPT_JSON), error)
          case (CMD_VERSION)
             call print_line('kjoint '//KJOINT_VERSION)
          end select

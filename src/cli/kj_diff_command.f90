@@ -13,6 +13,7 @@ module kj_diff_command
    use kj_sink_h5, only: sink_h5_t
    use kj_option, only: arguments_t, option_real, OPT_OUTPUT, OPT_JSON, OPT_PROFILE, OPT_INTERP, &
       OPT_WINDOW, OPT_PLOT, OPT_CHANNELS, OPT_METRICS, OPT_JUNIT, OPT_RTOL, OPT_STRICT
+   use kj_json_writer, only: json_member
    use kj_terminal, only: print_text
    implicit none
    private
@@ -120,7 +121,13 @@ contains
       sink%inputs = args%operand(:1)
       sink%command_line = command_line
       call convert_t01(args%operand(1)%s, sink, error)
-      if (.not. allocated(error)) call print_text(sink%path)
+      if (allocated(error)) return
+      if (args%given(OPT_JSON)) then
+         call print_text('{'//json_member('exit_code', 0)//', '// &
+            json_member('t01', args%operand(1)%s)//', '//json_member('history', sink%path)//'}')
+      else
+         call print_text(sink%path)
+      end if
    end subroutine convert_command
 
 end module kj_diff_command

@@ -27,7 +27,7 @@ contains
 
       type(buffer_t) :: text
       type(text_t), allocatable :: words(:)
-      character(len=:), allocatable :: output, place, titles, form
+      character(len=:), allocatable :: output, place, form
       character :: separator, decimal
       integer :: tfile
 
@@ -50,9 +50,7 @@ contains
          else if (args%n_operand > 1) then
             call fail(error, ERR_INPUT, 'a T01 holds all channels that it can; name none')
          else
-            call settle_output(output, args%operand(:1), place, error)
-            call settle_output(output//'_TITLES', args%operand(:1), titles, error)
-            if (.not. allocated(error)) call write_t01(args%operand(1)%s, place, tfile, error)
+            call write_t01(args%operand(1)%s, output, tfile, error)
          end if
       case ('vtkhdf', 'pvd')
          if (output == '-' .or. args%n_operand > 1) then

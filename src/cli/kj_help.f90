@@ -6,11 +6,13 @@ module kj_help
    use kj_card_page, only: find_keyword_page, print_keyword_page
    use kj_message, only: messages, find_message
    use kj_option, only: commands, option_t, option, has_option, did_you_mean, N_OPTION
+   use kj_table_json, only: help_json
+   use kj_words, only: buffer_t
    use kj_terminal, only: print_line
    implicit none
    private
 
-   public :: print_help, print_help_on
+   public :: print_help_on
 
    integer, parameter :: WIDTH = 90              !! of paragraphs
 
@@ -35,15 +37,26 @@ contains
       call print_line('4 internal; 130, 143 stopped by a signal. `kjoint help COMMAND` says more.')
    end subroutine print_help
 
-   !> One command, one keyword, or one message by its id
+   !> One command, one keyword, or one message by its id, as lines or as a JSON object; all where
+   !> the topic is empty
    !>
    !> Errors: ERR_INPUT when there is neither
-   subroutine print_help_on(topic, error)
+   subroutine print_help_on(topic, as_json, error)
       character(len=*), intent(in) :: topic
+      logical, intent(in) :: as_json
       type(error_t), allocatable, intent(out) :: error
 
+      type(buffer_t) :: b
       integer :: i, k
 
+      if (as_json) call help_json(topic, b)
+      if (b%n > 0) then
+         call print_line(b%s(:b%n))
+         return
+      else if (topic == '') then
+         call print_help()
+         return
+      end if
       do i = 1, size(commands)
          if (commands(i)%name /= topic) cycle
          call print_line('usage: kjoint '//trim(commands(i)%name)//' '//trim(commands(i)%operands))

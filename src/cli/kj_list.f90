@@ -3,9 +3,11 @@ module kj_list
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_units, only: dimensions
    use kj_joint_types, only: joint_types, DOF_NAME, NDOF, FRAME_CROSS
-   use kj_keywords, only: keywords, READ_IT, NOTE_IT, FULL_ONLY, ASIDE
+   use kj_keywords, only: keywords, status_name
    use kj_channels, only: channels, groups
    use kj_option, only: did_you_mean
+   use kj_table_json, only: table_json
+   use kj_words, only: buffer_t
    use kj_terminal, only: print_line
    implicit none
    private
@@ -16,13 +18,21 @@ module kj_list
 
 contains
 
-   !> Print one table on stdout
+   !> Print one table on stdout, as lines or as a JSON object
    !>
    !> Errors: ERR_INPUT when there is no table of this name
-   subroutine print_table(name, error)
+   subroutine print_table(name, as_json, error)
       character(len=*), intent(in) :: name
+      logical, intent(in) :: as_json
       type(error_t), allocatable, intent(out) :: error
 
+      type(buffer_t) :: b
+
+      if (as_json .and. any(TABLES == name)) then
+         call table_json(name, b)
+         call print_line(b%s(:b%n))
+         return
+      end if
       select case (name)
       case ('joints')
          call print_joints()
@@ -64,26 +74,13 @@ contains
       end do
    end subroutine print_joints
 
-   !> read; noted; aside: read where another keyword names it; full only: read of a full deck
    subroutine print_keywords()
-      character(len=:), allocatable :: status
       integer :: i
 
       call print_line('keyword               status       meaning, or what would be needed')
       do i = 1, size(keywords)
-         if (keywords(i)%status == READ_IT) then
-            status = 'read'
-         else if (keywords(i)%status == NOTE_IT) then
-            status = 'noted'
-         else if (keywords(i)%status == ASIDE) then
-            status = 'aside'
-         else if (keywords(i)%status == FULL_ONLY) then
-            status = 'full only'
-         else
-            status = 'unsupported'
-         end if
-         call print_line(column(keywords(i)%name, 22)//column(status, 13)// &
-                         trim(keywords(i)%meaning))
+         call print_line(column(keywords(i)%name, 22)// &
+            column(status_name(keywords(i)%status), 13)//trim(keywords(i)%meaning))
       end do
    end subroutine print_keywords
 

@@ -36,8 +36,8 @@ module kj_option
       !         id           name         operands                           least most meaning
       command_t(CMD_RUN,     'run',       'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
                 'advance a Radioss deck in time and write its history'), &
-      command_t(CMD_CHECK,   'check',     'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
-                'read and check a deck, and say what its scene is like'), &
+      command_t(CMD_CHECK,   'check',     'DECK_0000.rad [DECK_0001.rad] ...',  0, MANY, &
+                'read and check decks, and say what their scenes are like'), &
       command_t(CMD_STUDY,   'study',     'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
                 'run a deck in many settings: what accuracy costs, which to take'), &
       command_t(CMD_DIFF,    'diff',      'REF RUN',                            2, 2, &
@@ -76,7 +76,7 @@ module kj_option
       OPT_SEPARATOR = 21, OPT_DECIMAL = 22, OPT_TFILE = 23, OPT_CHANNELS = 24, &
       OPT_CHECKPOINT = 25, OPT_CHECKPOINT_EVERY = 26, OPT_RESTART = 27, OPT_NEW_FILE = 28, &
       OPT_LISTING = 29, OPT_LIVE = 30, OPT_UNITS = 31, OPT_COLOUR = 32, OPT_AT = 33, &
-      OPT_SECONDS = 34, OPT_PLOT = 35
+      OPT_SECONDS = 34, OPT_PLOT = 35, OPT_WERROR = 36
 
    !> One option of one command or more
    type :: option_t
@@ -102,7 +102,7 @@ module kj_option
                'errors and warnings only'), &
       option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check extract', &
                'notes with their cards, a line every /PRINT cycles instead of every 10 s'), &
-      option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info extract', &
+      option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info extract convert list help', &
                'the answer as one JSON object on stdout'), &
       option_t(OPT_PROFILE,      '',   '--profile',           'NAME',   'diff', &
                'exact, repeat 1e-12, platform 1e-9, parity 1e-7 or solver 1e-2'), &
@@ -114,8 +114,8 @@ module kj_option
                'compare these times only'), &
       option_t(OPT_METRICS,      '',   '--metrics',           'LIST',   'diff', &
                'of max,nrmse,pearson,sprague-geers,iso18571: print these too'), &
-      option_t(OPT_JUNIT,        '',   '--junit',             'FILE',   'diff', &
-               'write the verdict of each channel as JUnit XML'), &
+      option_t(OPT_JUNIT,        '',   '--junit',             'FILE',   'diff check', &
+               'write the verdict of each channel or deck as JUnit XML'), &
       option_t(OPT_ERROR,        '',   '--error',             'E',      'study', &
                'wanted error of positions and rotations, of their peaks; default 1e-3'), &
       option_t(OPT_SCALES,       '',   '--scales',            'LIST',   'study', &
@@ -159,7 +159,9 @@ module kj_option
       option_t(OPT_SECONDS,      '',   '--seconds',           'S',      'animate', &
                'length of the film; default 6'), &
       option_t(OPT_PLOT,         '',   '--plot',              'FILE',   'diff', &
-               'draw the channels that differ most')]
+               'draw the channels that differ most'), &
+      option_t(OPT_WERROR,       '',   '--werror',            '',       'check', &
+               'warnings count as errors')]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)
@@ -225,7 +227,8 @@ contains
       do while (i <= size(words))
          if (words(i)%s == '--' .and. .not. only_operands) then
             only_operands = .true.
-         else if (is_option(words(i)%s) .and. .not. only_operands) then
+         else if (is_option(words(i)%s) .and. (.not. only_operands .or. &
+            (args%command == CMD_HELP .and. words(i)%s == '--json'))) then
             call take_option(words, i, args, error)
          else
             call take_operand(words(i), args, error)
@@ -438,7 +441,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       if (args%given(OPT_INPUT)) then
-         if (args%n_operand == 2) then
+         if (args%n_operand > 1) then
             call fail(error, ERR_INPUT, 'one operand too many: "'//args%operand(2)%s//'"')
             return
          end if

@@ -9,6 +9,7 @@ module kj_run_command
    use kj_terminal, only: print_line, may_colour, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
+   use kj_words, only: counted
    use kj_json_writer, only: json_member, json_pair, json_findings
    use kj_trace_command, only: tracer_t, start_trace, end_trace
    use kj_progress, only: start_progress, list_to_file, end_progress, limiter, percent, rate, &
@@ -18,6 +19,8 @@ module kj_run_command
    use kj_restart_command, only: continued_sink_t, find_restart, restart_from, continued_path
    use kj_text, only: text_t
    use kj_worst, only: worst_lines, worst_json
+   use kj_channels, only: OF_JOINT
+   use kj_history, only: entity_title
    use kjoint, only: simulation_worst, simulation_history, history_t, extremes_t, simulation_t, &
       run_options_t, run_status_t, load_simulation, run_simulation, simulation_title, &
       default_output
@@ -35,6 +38,7 @@ module kj_run_command
       character(len=:), allocatable :: checkpoint    !! path, where one was written
       real(wp) :: elapsed = 0.0_wp               !! [s] of wall clock
       integer :: code = 0                        !! exit code
+      character(len=:), allocatable :: holder    !! of the time step; '' none
       type(text_t), allocatable :: worst(:)      !! what gave way most, in lines
       character(len=:), allocatable :: worst_json
    end type outcome_t
@@ -108,7 +112,7 @@ contains
       type(history_t) :: history
       type(extremes_t) :: extremes
       real(wp) :: started
-      integer :: show, owner
+      integer :: show, owner, i
 
       outcome%title = trim(simulation_title(sim))
       sink%path = default_output(sim)
@@ -136,6 +140,10 @@ contains
       outcome%elapsed = wall_clock() - started
       call simulation_worst(sim, extremes, owner)
       history = simulation_history(sim)
+      outcome%holder = limiter(outcome%status)
+      i = 0
+      if (owner > 0) i = findloc(history%entity(OF_JOINT)%id, owner, dim=1)
+      if (i > 0) outcome%holder = '  '//entity_title(history, OF_JOINT, i)
       call worst_lines(history, extremes, owner, outcome%worst)
       outcome%worst_json = worst_json(history, extremes)
       if (allocated(sink%place)) outcome%history = sink%place
@@ -167,16 +175,17 @@ contains
       associate (s => outcome%status)
          seconds = max(outcome%elapsed, 1e-9_wp)
          call print_line(outcome%verdict//'  '//outcome%title)
-         write (buffer, '(3(i0,a))') s%n_joint, ' joints, ', s%n_body, ' rigid bodies, ', &
-            s%n_node, ' nodes'
-         if (s%n_spring > 0) buffer = trim(buffer)//', '//str(s%n_spring)//' springs'
-         call print_line('   model         '//trim(buffer))
+         buffer = ''
+         if (s%n_spring > 0) buffer = ', '//counted(s%n_spring, 'spring', 'springs')
+         call print_line('   model         '//counted(s%n_joint, 'joint', 'joints')//', '// &
+            counted(s%n_body, 'rigid body', 'rigid bodies')//', '// &
+            counted(s%n_node, 'node', 'nodes')//trim(buffer))
          call print_line('   cycles        '//str(s%cycle))
          if (s%n_island > 0) call print_line('   islands       '//islands_text(s))
          write (buffer, '(es12.6,a,es12.6)') s%time, ' of ', s%t_stop
          call print_line('   time          '//trim(buffer))
          write (buffer, '(es12.6)') s%time_step
-         call print_line('   time step     '//trim(buffer)//limiter(s))
+         call print_line('   time step     '//trim(buffer)//outcome%holder)
          call print_line('   energy error  '//percent(s%energy_error))
          do i = 1, size(outcome%worst)
             call print_line('   '//outcome%worst(i)%s)

@@ -64,7 +64,9 @@ contains
       call print_line('its parts: steps, against the finest steps at this Kn; joints, of these '// &
          'against ideal joints')
       call print_line('ns per cycle: of a joint (of a body where there is no joint); gap: '// &
-         'largest violation of a joint, length')
+         'largest violation, length')
+      if (allocated(study%reference%gap_title)) call print_line( &
+         'most opened, in the reference: '//study%reference%gap_title)
       call print_line('*: nothing is cheaper and at least as good; <--: the recommendation')
       call print_line('order: against the row above; energy error of legacy: as OpenRadioss '// &
          'counts it')
@@ -304,11 +306,21 @@ contains
          json = json//', '//json_member('energy_error', t%energy)//', '// &
             json_member('violation_trans', t%gap)//', '// &
             json_member('violation_rot', t%gap_rot)//', '// &
+            json_member('violation_joint', gap_title(t))//', '// &
             json_member('order', t%order)//', '// &
             json_member('unbeaten', unbeaten)
       end if
       json = json//'}'
    end function trial_json
+
+   !> The joint that opened most; '' where none did
+   pure function gap_title(t) result(title)
+      type(trial_t), intent(in) :: t
+      character(len=:), allocatable :: title
+
+      title = ''
+      if (allocated(t%gap_title)) title = t%gap_title
+   end function gap_title
 
    !> A row a setting; a setting that failed has empty fields
    function study_csv(study) result(csv)

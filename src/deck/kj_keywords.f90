@@ -7,8 +7,8 @@ module kj_keywords
    implicit none
    private
 
-   public :: find_keyword, keyword_of, nearest_keyword, READ_IT, NOTE_IT, OUT_OF_SCOPE, &
-      FULL_ONLY, ASIDE, HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
+   public :: find_keyword, keyword_of, nearest_keyword, status_name, READ_IT, NOTE_IT, &
+      OUT_OF_SCOPE, FULL_ONLY, ASIDE, HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE
 
    integer, parameter :: HI = HEAD_ID, HU = HEAD_UNIT, HT = HEAD_TYPE_ID, HN = HEAD_NONE
    logical, parameter :: T = .true., F = .false.
@@ -255,6 +255,18 @@ module kj_keywords
       KW_TRANS_POSITION = findloc(NAME, '/TRANSFORM/POSITION', 1)
 
 contains
+
+   !> read; noted; aside: read where another keyword names it; full only: read of a full deck
+   pure function status_name(status) result(name)
+      integer, intent(in) :: status
+      character(len=11) :: name
+
+      name = 'unsupported'
+      if (status == READ_IT) name = 'read'
+      if (status == NOTE_IT) name = 'noted'
+      if (status == ASIDE) name = 'aside'
+      if (status == FULL_ONLY) name = 'full only'
+   end function status_name
 
    !> Row that a header path belongs to; 0 when there is none
    !>

@@ -23,7 +23,7 @@ module kj_diff
    use kj_diff_report, only: diff_text, diff_json, diff_junit
    use kj_text, only: append_text, text_t
    use kj_sort, only: lookup_t
-   use kj_history, only: history_t
+   use kj_history, only: history_t, entity_title
    use kj_series, only: series_t, find_series, component_name, NORM
    use kj_iso18571, only: rate_iso18571, iso18571_t
    implicit none
@@ -342,12 +342,11 @@ contains
                   if (run_variable(group(g)) == 0) cycle
                end if
                if (all(wanted(at:at + v%n_comp - 1))) then
-                  call append(v%channel, ref_id(j), k, at, 0, v%n_comp, name_of(v%channel, &
-                     ref_id(j)))
+                  call append(v%channel, j, k, at, 0, v%n_comp, '')
                else
                   do c = 1, v%n_comp
-                     if (wanted(at + c - 1)) call append(v%channel, ref_id(j), k, at, c - 1, 1, &
-                        name_of(v%channel, ref_id(j))//'.'//component_name(v%n_comp, c))
+                     if (wanted(at + c - 1)) call append(v%channel, j, k, at, c - 1, 1, &
+                        '.'//component_name(v%n_comp, c))
                   end do
                end if
             end do
@@ -358,16 +357,17 @@ contains
    contains
 
       !> Some components of an entity: n_comp from the one behind `skip`
-      subroutine append(channel, entity, entity_in_run, ref_at, skip, n_comp, name)
+      subroutine append(channel, entity, entity_in_run, ref_at, skip, n_comp, component)
          integer, intent(in) :: channel, entity, entity_in_run, ref_at, skip, n_comp
-         character(len=*), intent(in) :: name
+         character(len=*), intent(in) :: component
 
          n = n + 1
          list(n)%channel = channel
-         list(n)%entity = entity
+         list(n)%entity = ref_id(entity)
          list(n)%n_comp = n_comp
          list(n)%ref_at = ref_at + skip
-         list(n)%name = name
+         list(n)%name = name_of(channel, str(ref_id(entity)))//component
+         list(n)%title = title_of(ref%history, channel, entity)//component
          list(n)%counted = .not. (any(OF_STEPS == channel) .and. &
             (profile%name == 'solver' .or. options%interpolate))
          if (entity_in_run == 0 .or. run_variable(group(g)) == 0) return
@@ -410,7 +410,7 @@ contains
                   end if
                end if
                n = n + 1
-               found(n)%s = name_of(v%channel, run_id(j))
+               found(n)%s = title_of(run%history, v%channel, j)
             end do
          end associate
       end do
@@ -457,13 +457,25 @@ contains
 
    !> "joint/force[5]", "kinetic_energy_trans"
    pure function name_of(channel, entity) result(name)
-      integer, intent(in) :: channel, entity
+      integer, intent(in) :: channel
+      character(len=*), intent(in) :: entity
       character(len=:), allocatable :: name
 
       name = trim(channels(channel)%name)
       if (channels(channel)%owner == OF_RUN) return
-      name = trim(groups(channels(channel)%owner)%path)//'/'//name//'['//str(entity)//']'
+      name = trim(groups(channels(channel)%owner)%path)//'/'//name//'['//entity//']'
    end function name_of
+
+   !> "joint/force[pin C (5)]" of an entity by its place
+   pure function title_of(history, channel, e) result(title)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: channel, e
+      character(len=:), allocatable :: title
+
+      title = name_of(channel, '')
+      if (channels(channel)%owner /= OF_RUN) &
+         title = name_of(channel, entity_title(history, channels(channel)%owner, e))
+   end function title_of
 
    !> The classes that occur, in the order of the channels, and the class of each channel
    subroutine find_classes(list, classes)

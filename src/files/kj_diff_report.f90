@@ -7,7 +7,7 @@ module kj_diff_report
    use kj_channels, only: channels, CH_TIME
    use kj_metrics, only: metrics
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
-   use kj_words, only: buffer_t, add, short, short_time, escaped
+   use kj_words, only: buffer_t, add, left, short, short_time, escaped
    use kj_json_writer, only: json_member, json_pair, json_text, json_reals, comma
    use kj_text, only: text_t
    implicit none
@@ -62,7 +62,7 @@ contains
                call add(b, line(:39)//'0'//NL)
             else
                call add(b, line(:39)//multiple(result%channel(class%worst)%excess)//'  '// &
-                  result%channel(class%worst)%name//NL)
+                  result%channel(class%worst)%title//NL)
             end if
          end associate
       end do
@@ -118,7 +118,7 @@ contains
       do i = 1, size(channel)
          if (.not. wanted(i)) cycle
          n = n + 1
-         names(n)%s = channel(i)%name
+         names(n)%s = channel(i)%title
       end do
       call add_names(why, names, b)
    end subroutine add_channels
@@ -167,7 +167,7 @@ contains
       character(len=:), allocatable :: a, b
       integer :: digits
 
-      text = channel%name
+      text = channel%title
       if (channel%run_at == 0) then
          text = text//' is missing in RUN'
       else if (channel%channel == CH_TIME .and. result%n_ref_alone + result%n_run_alone > 0) then
@@ -211,8 +211,8 @@ contains
       do i = 1, size(result%channel)
          if (result%channel(i)%run_at == 0 .or. result%channel(i)%channel == CH_TIME) cycle
          do j = 1, result%channel(i)%n_comp
-            name = '  '//result%channel(i)%name//component(result%channel(i)%n_comp, j)
-            call add(b, name)
+            call add(b, left('  '//result%channel(i)%title// &
+               component(result%channel(i)%n_comp, j), len(name)))
             do k = 1, size(metrics)
                if (.not. options%metrics(k)) cycle
                cell = '-'
@@ -293,6 +293,7 @@ contains
       integer :: k
 
       call add(b, '  {'//json_member('name', channel%name)//', '// &
+         json_member('title', channel%title)//', '// &
          json_member('class', trim(channels(channel%channel)%class))//', '// &
          json_member('compared', channel%counted)//', '// &
          json_member('different', channel%different)//', '// &

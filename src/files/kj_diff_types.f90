@@ -44,6 +44,7 @@ module kj_diff_types
    !> One channel of one entity
    type :: channel_result_t
       character(len=:), allocatable :: name     !! "joint/force[5]", "joint/force[5].x", "mass"
+      character(len=:), allocatable :: title    !! the same for people: "joint/force[pin C (5)]"
       integer :: channel = 0                    !! row of kj_channels
       integer :: class = 0                      !! place in diff_result_t%class
       integer :: entity = 0                     !! user id, 0 for the run

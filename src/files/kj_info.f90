@@ -69,15 +69,16 @@ contains
       end if
       call add_provenance(path, reader, history, names, values, text)
       call add_span(history, survey, names, values, text)
-      call add_worst(history, survey, text)
+      call add_worst(history, survey, fact('integrator', names, values, ''), text)
       call add_channels(history, survey, text)
       call add_energies(history, survey, text)
    end subroutine describe_history
 
    !> What gave way most
-   subroutine add_worst(history, survey, text)
+   subroutine add_worst(history, survey, integrator, text)
       type(history_t), intent(in) :: history
       type(survey_t), intent(in) :: survey
+      character(len=*), intent(in) :: integrator     !! '' where it is not known
       character(len=:), allocatable, intent(inout) :: text
 
       type(text_t), allocatable :: lines(:)
@@ -89,6 +90,7 @@ contains
          if (nint(survey%last(kind_at)) == OWNER_JOINT) &
             owner = nint(survey%last(place_of(history, CH_OWNER)))
       end if
+      if (integrator == 'compliant') owner = -1
       call worst_lines(history, survey%extremes, owner, lines)
       if (size(lines) > 0) call add_line(text, '')
       do i = 1, size(lines)
@@ -259,6 +261,7 @@ contains
       made = joined(made, ', threads: ', fact('n_threads', names, values, ''))
       made = joined(made, ', host ', fact('host', names, values, ''))
       call add_fact(text, 'made by', made)
+      call add_fact(text, 'scheme', fact('integrator', names, values, ''))
       call add_fact(text, 'command', fact('command_line', names, values, ''))
       call add_fact(text, 'compiler', fact('compiler', names, values, ''))
       if (allocated(history%input_name)) then
@@ -307,9 +310,9 @@ contains
       line = fact('cycles', names, values, '')
       i = place_of(history, CH_CYCLE)
       if (len(line) == 0 .and. i > 0) line = number(survey%last(i))//' so far'
-      if (survey%longest_step > 0.0_wp) line = joined(line, ', time step ', &
-         number(survey%shortest_step)//' to '//number(survey%longest_step)//' '//unit)
       call add_fact(text, 'cycles', line)
+      if (survey%longest_step > 0.0_wp) call add_fact(text, 'steps', &
+         number(survey%shortest_step)//' to '//number(survey%longest_step)//' '//unit)
       if (survey%n_bad > 0) call add_fact(text, 'damaged', &
          counted(survey%n_bad, 'value is', 'values are')//' not finite')
    end subroutine add_span

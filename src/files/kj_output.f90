@@ -7,8 +7,8 @@ module kj_output
    implicit none
    private
 
-   public :: settle_output, open_part, copy_to, name_part, has_name, find_part, is_written, &
-      write_output, why
+   public :: settle_output, open_part, end_part, copy_to, name_part, has_name, find_part, &
+      is_written, write_output, why
 
    integer, parameter :: OTHER = 2               !! neither nothing nor a regular file
    integer, parameter :: TAKEN = -2              !! kj_part_open
@@ -207,18 +207,29 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       character(len=:), allocatable :: place, part
-      logical :: named
       integer :: file
-      integer(c_int) :: reason, ignored
 
       call settle_output(path, inputs, place, error)
       call open_part(place, part, file, error)
-      if (allocated(error)) return
+      if (.not. allocated(error)) call end_part(part, file, text, place, error)
+   end subroutine write_output
+
+   !> Write the last text to a file that is open_part's, close it and give it its name; where
+   !> something failed, now or before, it goes. Errors: ERR_FILE
+   subroutine end_part(part, file, text, place, error)
+      character(len=*), intent(in) :: part, text, place
+      integer, intent(in) :: file                !! descriptor
+      type(error_t), allocatable, intent(inout) :: error
+
+      logical :: named
+      integer(c_int) :: reason, ignored
+
       reason = kj_write_text(int(file, c_int), len(text, c_size_t), text)
-      if (reason /= 0) call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(why(reason)))
+      if (reason /= 0 .and. .not. allocated(error)) &
+         call fail(error, ERR_FILE, 'cannot write '//place//': '//trim(why(reason)))
       call name_part(part, place, .true., named, error)
       if (.not. named) ignored = c_remove(part//c_null_char)
-   end subroutine write_output
+   end subroutine end_part
 
    !> What the system calls an error
    function why(number) result(text)

@@ -139,7 +139,7 @@ contains
       call start_hdf5(error)
       call create_image(self%target//' in memory', self%live, file, error)
       call write_layout(file, history, self%n_chunk, series, error)
-      call put_start(self, file, run, error)
+      call put_start(self, history, file, run, error)
       self%descriptor = -1
       call open_part(self%target, self%place, self%descriptor, error)
       call begin_store(self%descriptor, file, series, &
@@ -163,8 +163,9 @@ contains
 
    !> Write to /run what is known at the start, and room for the outcome; reproducible leaves out
    !> what differs between runs
-   subroutine put_start(self, file, run, error)
+   subroutine put_start(self, history, file, run, error)
       class(sink_h5_t), intent(in) :: self
+      type(history_t), intent(in) :: history
       integer(hid_t), intent(in) :: file
       integer(hid_t), intent(out) :: run
       type(error_t), allocatable, intent(inout) :: error
@@ -173,6 +174,8 @@ contains
       if (.not. self%reproducible .and. allocated(self%command_line)) &
          call put_text(run, 'command_line', as_utf8(self%command_line), error)
       call put_text(run, 'version', KJOINT_VERSION, error)
+      if (allocated(history%integrator)) &
+         call put_text(run, 'integrator', history%integrator, error)
       call put_text(run, 'compiler', compiler_version(), error)
       call put_text(run, 'compiler_options', compiler_options(), error)
       call put_text(run, 'hdf5_version', hdf5_version(), error)

@@ -16,6 +16,7 @@ module kj_worst
 
    integer, parameter :: N_KIND = 7
    real(wp), parameter :: LITTLE = 1.0e-3_wp     !! blocked turns below are not worth a line
+   real(wp), parameter :: SOFT = 0.1_wp          !! Kn gap over force: below, Kn did not act
 
 contains
 
@@ -66,6 +67,7 @@ contains
          if (.not. allocated(joints%blocking)) return
          kn = joints%blocking(1, gap%joint)
          if (.not. kn > 0.0_wp) return
+         if (gap%value*kn < SOFT*gap%force) return
          cost = 'at most 41 % more cycles'
          if (joints%id(gap%joint) == owner) cost = '41 % more cycles'
          if (owner < 0) cost = 'no more cycles'

@@ -4,6 +4,7 @@
 !>
 !> Forces of bodies are impulses there, energies of springs stand in the globals twice, the last
 !> state between samples has no row.
+!> One file: columns, records and titles of one format.
 module kj_write_t01
    use, intrinsic :: iso_fortran_env, only: int8, int32, real32, real64
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
@@ -15,6 +16,8 @@ module kj_write_t01
    use kj_history, only: history_t, n_entity
    use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
    use kj_t01, only: t01_name
+   use kj_text, only: text_t
+   use kj_output, only: settle_output, open_part, end_part
    implicit none
    private
 
@@ -38,8 +41,10 @@ module kj_write_t01
       integer, allocatable :: place(:, :)        !! (codes, entities) in a row, or IS_
    end type request_t
 
-   !> A file being written
+   !> A file being written, beside the one that it is to become
    type :: writer_t
+      character(len=:), allocatable :: place, part
+      integer :: descriptor = -1
       integer :: unit = -1, status = 0
       integer :: word = 8                        !! bytes of a real, and of 4 characters of a title
       logical :: swap = .false.                  !! byte order is not that of this machine
@@ -48,9 +53,11 @@ module kj_write_t01
 
 contains
 
-   !> Write the rows of a history, and beside them PATH_TITLES with the names of the variables.
+   !> Write the rows of a history, and beside them PATH_TITLES with the names of the variables; each
+   !> file takes its name when it is whole.
    !>
-   !> Errors: ERR_FILE when the history cannot be read or the T01 not be written.
+   !> Errors: ERR_FILE when the history cannot be read or the T01 not be written, ERR_INPUT when it
+   !> would replace the history or no regular file.
    subroutine write_t01(history_path, path, type, error)
       character(len=*), intent(in) :: history_path, path
       integer, intent(in) :: type                !! /TFILE type 1 or 4; 0: as precise as the history
@@ -61,9 +68,11 @@ contains
       type(history_t) :: history
       type(request_t), allocatable :: request(:)
       type(writer_t) :: file
+      type(text_t) :: inputs(1)
       real(wp), allocatable :: rows(:, :)
       integer :: global(N_GLOBAL), n_row, first, n, i, final_at
 
+      inputs(1)%s = history_path
       call open_history_file(history_path, reader, history, n_row, error)
       if (allocated(error)) return
       allocate (rows(history%n_value, max(1, min(n_row, BLOCK/history%n_value))))
@@ -71,8 +80,13 @@ contains
       if (n_row > 0) call read_rows(reader, 1, 1, rows, error)
       if (.not. allocated(error)) then
          call find_columns(history, rows(:, 1), global, request)
-         call open_file(path, type == AS_SINGLE .or. (type /= AS_DOUBLE .and. &
-            history%single_precision), file)
+         call open_file(path, inputs, .true., file, error)
+         file%word = merge(4, 8, type == AS_SINGLE .or. (type /= AS_DOUBLE .and. &
+            history%single_precision))
+         ! 4-byte files are those of a big-endian machine
+         file%swap = file%word == 4 .and. iachar(transfer(1_int32, 'a')) == 1
+      end if
+      if (.not. allocated(error)) then
          call put_header(file, history, request)
          final_at = place_of(history, CH_FINAL)
          do first = 1, n_row, size(rows, 2)
@@ -86,10 +100,8 @@ contains
                call put_row(file, history, global, request, rows(:, i))
             end do
          end do
-         if (file%status == 0) close (file%unit, iostat=file%status, iomsg=file%why)
-         if (file%status == 0) call write_titles(path//'_TITLES', request, file)
-         if (file%status /= 0 .and. .not. allocated(error)) &
-            call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(file%why))
+         call end_file(path, file, error)
+         if (.not. allocated(error)) call write_titles(path//'_TITLES', inputs, request, error)
       end if
       call close_history_file(reader, closing)
    end subroutine write_t01
@@ -199,16 +211,43 @@ contains
 
    ! ---- records
 
-   subroutine open_file(path, single, file)
+   !> Begin a file that is to become `path`. Errors: as settle_output, ERR_FILE
+   subroutine open_file(path, inputs, binary, file, error)
       character(len=*), intent(in) :: path
-      logical, intent(in) :: single
+      type(text_t), intent(in) :: inputs(:)
+      logical, intent(in) :: binary              !! else lines
       type(writer_t), intent(out) :: file
+      type(error_t), allocatable, intent(inout) :: error
 
-      file%word = merge(4, 8, single)
-      file%swap = single .and. iachar(transfer(1_int32, 'a')) == 1     ! a little-endian machine
-      open (newunit=file%unit, file=path, access='stream', form='unformatted', status='replace', &
-         action='write', iostat=file%status, iomsg=file%why)
+      call settle_output(path, inputs, file%place, error)
+      call open_part(file%place, file%part, file%descriptor, error)
+      if (allocated(error)) return
+      if (binary) then
+         open (newunit=file%unit, file=file%part, access='stream', form='unformatted', &
+            status='old', action='write', iostat=file%status, iomsg=file%why)
+      else
+         open (newunit=file%unit, file=file%part, status='old', action='write', &
+            iostat=file%status, iomsg=file%why)
+      end if
    end subroutine open_file
+
+   !> End a file: it takes its name, or goes where something failed. Errors: ERR_FILE
+   subroutine end_file(path, file, error)
+      character(len=*), intent(in) :: path
+      type(writer_t), intent(inout) :: file
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: ignored
+
+      if (file%status == 0) then
+         close (file%unit, iostat=file%status, iomsg=file%why)
+      else
+         close (file%unit, iostat=ignored)
+      end if
+      if (file%status /= 0 .and. .not. allocated(error)) &
+         call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(file%why))
+      if (allocated(file%part)) call end_part(file%part, file%descriptor, '', file%place, error)
+   end subroutine end_file
 
    subroutine put_header(file, history, request)
       type(writer_t), intent(inout) :: file
@@ -356,28 +395,39 @@ contains
    !> The names of the variables as /TH/TITLE has them: type code and name, a line each, in the
    !> order
    !> of a row; the type of the globals is 0
-   subroutine write_titles(path, request, file)
+   subroutine write_titles(path, inputs, request, error)
       character(len=*), intent(in) :: path
+      type(text_t), intent(in) :: inputs(:)
       type(request_t), intent(in) :: request(:)
-      type(writer_t), intent(inout) :: file
+      type(error_t), allocatable, intent(inout) :: error
 
       integer, parameter :: OF_GLOBALS = -1
+      type(writer_t) :: file
       character(len=:), allocatable :: name
       integer :: i, k
 
-      open (newunit=file%unit, file=path, status='replace', action='write', iostat=file%status, &
-         iomsg=file%why)
-      if (file%status /= 0) return
+      call open_file(path, inputs, .false., file, error)
+      if (allocated(error)) return
       do k = 1, N_GLOBAL
-         write (file%unit, '(i10,/,a)') 0, t01_name(OF_GLOBALS, k)
+         call put_title(0, t01_name(OF_GLOBALS, k))
       end do
       do i = 1, size(request)
          do k = 1, size(request(i)%code)
             name = t01_name(type_of(request(i)%owner), request(i)%code(k))
-            write (file%unit, '(i10,/,a)') type_of(request(i)%owner), name(index(name, '/') + 1:)
+            call put_title(type_of(request(i)%owner), name(index(name, '/') + 1:))
          end do
       end do
-      close (file%unit, iostat=file%status, iomsg=file%why)
+      call end_file(path, file, error)
+
+   contains
+
+      subroutine put_title(type, name)
+         integer, intent(in) :: type
+         character(len=*), intent(in) :: name
+
+         if (file%status == 0) write (file%unit, '(i10,/,a)', iostat=file%status, &
+            iomsg=file%why) type, name
+      end subroutine put_title
    end subroutine write_titles
 
 end module kj_write_t01

@@ -51,6 +51,7 @@ module kj_history
       character(len=:), allocatable :: title
       type(unit_system_t) :: units
       logical :: legacy = .true.                     !! formulation, decides @sampled_at
+      character(len=:), allocatable :: integrator    !! of the run; not allocated: not known
       logical :: single_precision = .false.          !! times and values came from 32-bit reals
       integer :: n_value = 0                         !! reals in a row
       integer :: n_expected = 0                      !! rows that will come, about; 0 = not known

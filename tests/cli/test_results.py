@@ -108,7 +108,7 @@ class Export(Results):
 
     def test_every_t01_comes_back_as_it_was(self):
         """convert and export: all codes that have a channel, and those that follow from others"""
-        for t01 in sorted(SOURCE.glob("tests/parity*/*/*T01")):
+        for t01 in sorted(SOURCE.glob("tests/*/*/*T01")):
             self.kjoint("convert", t01, "-o", "a.h5")
             self.kjoint("export", "a.h5", "-o", "AT01")
             self.assertIn("SAME", self.kjoint("diff", t01, "AT01", "--profile", "exact").stdout)
@@ -117,9 +117,11 @@ class Export(Results):
             self.assertTrue(np.array_equal(times, again))
             for kind, channels in CHANNELS.items():
                 codes = {start + k for start, n, _ in channels.values() for k in range(n)}
-                codes |= {None: {SIE}, SPRING: {OFF}}.get(kind, set())
+                codes |= {None: {SIE}}.get(kind, set())
                 for i, series in first.get(kind, {}).items():
-                    for code in codes & set(series):
+                    # no channel says that a spring failed: OFF is written as that of one that holds
+                    holds = {OFF} if kind == SPRING and np.all(series.get(OFF, 1) == 1) else set()
+                    for code in (codes | holds) & set(series):
                         self.assertTrue(np.array_equal(series[code], second[kind][i][code]),
                                         f"{t01.name}: {kind} {i} {code}")
 
@@ -136,6 +138,14 @@ class Export(Results):
         self.kjoint("diff", test_cli.CASE / "REV01T01", "RUNT01")
         names = (self.folder / "RUNT01_TITLES").read_text().split()
         self.assertEqual(["6", "OFF", "6", "FX"], names[44:48])
+        # it is written beside, and replaces what a link leads to, but not what it is made of
+        (self.folder / "OLDT01").write_text("old")
+        (self.folder / "LINKT01").symlink_to("OLDT01")
+        self.kjoint("export", "run.h5", "-o", "LINKT01")
+        self.assertEqual((self.folder / "RUNT01").read_bytes(), (self.folder / "OLDT01").read_bytes())
+        self.assertTrue((self.folder / "LINKT01").is_symlink())
+        self.kjoint("export", "run.h5", "--to", "t01", "-o", "run.h5", code=2)
+        self.assertEqual([], list(self.folder.glob("*.part")))
 
     def test_diff_compares_the_channels_that_it_is_told(self):
         self.kjoint("run", "-q", CRANK, "--until", "0.02", "--sample", "1e-3", "--kn-scale", "0.5",
@@ -156,6 +166,86 @@ class Export(Results):
             found = json.loads(done.stdout)
             self.assertEqual(done.returncode, found["exit_code"])
             self.assertEqual("error", found["findings"][0]["severity"])
+
+
+class Worst(Program):
+    """What gave way most. The bar on a hinge (1.5 kg, 1 m, from the horizontal): at the bottom its rate is
+    sqrt(3 g/L) = 5.425 rad/s and the hinge holds 2.5 m g = 36.79 N, which Kn 1e6 N/m gives 3.68e-5 m for."""
+
+    DECK = SOURCE / "decks" / "revolute_pendulum_0000.rad"
+    BOTTOM, FORCE, ARM = 0.25*1.9333*3, 36.7875, 0.5       # third time at the bottom: 3/4 of the period
+
+    def short(self):
+        pass
+
+    def test_run_and_info_name_joint_time_and_force(self):
+        said = self.kjoint("run", self.DECK, "-o", "a.h5").stdout
+        for line in (r"time step     8\.0+E-05  hinge \(901\)",
+                     r"largest gap   3\.68e-5 m  hinge \(901\) at t = 1\.45, force 36\.8 N",
+                     r"half of it    Kn 2e6 instead of 1e6 N/m: 41 % more cycles",
+                     r"peak force    36\.8 N  hinge \(901\) at t = 1\.45",
+                     r"fastest turn  5\.42 rad/s  hinge \(901\) at t = 1\.45"):
+            self.assertRegex(said, line)
+        again = self.kjoint("info", "a.h5").stdout
+        for line in said.splitlines()[6:11]:
+            self.assertIn(line.strip(), again)
+        worst = json.loads(self.kjoint("info", "--json", "a.h5").stdout)["worst"]
+        self.assertLess(abs(worst["force"]["value"]/self.FORCE - 1), 1e-3)
+        self.assertLess(abs(worst["gap"]["value"]*1e6/self.FORCE - 1), 1e-3)
+        self.assertLess(abs(worst["force"]["time"]/self.BOTTOM - 1), 2e-3)
+        self.assertEqual("hinge (901)", worst["gap"]["name"])
+        # of 1.57 rad - (-0.02 rad) of the door it is the upper stop that is passed
+        door = json.loads(self.kjoint("run", "--json", SOURCE / "decks" / "door_hinge_0000.rad").stdout)
+        self.assertLess(door["worst"]["stop_gap_rotation"]["value"], 0)
+
+    def test_a_stiffer_joint_costs_no_steps_where_it_does_not_hold_them(self):
+        for words, wanted in (([], "41 % more cycles"), (["--fast"], "no more cycles"),
+                              (["--fast", "--kn", "inf"], None)):
+            said = self.kjoint("run", self.DECK, "-o", "a.h5", "--until", "0.5", *words).stdout
+            again = self.kjoint("info", "a.h5").stdout
+            for text in (said, again):
+                if wanted:
+                    self.assertRegex(text, f"instead of 1e6 N/m: {wanted}")
+                else:
+                    self.assertNotIn("half of it", text)
+
+    def test_a_joint_that_gives_way_too_much_is_a_warning(self):
+        # 1 % of the arm are 5 mm: 36.8 N are 18 mm at Kn 2e3, 0.37 mm at 1e5
+        for scale, gives in (("2e-3", True), ("0.1", False)):
+            done = json.loads(self.kjoint("run", "--json", self.DECK, "--kn-scale", scale).stdout)
+            found = [f for f in done["findings"] if f["id"] == "KJ-9302"]
+            gap = done["worst"]["gap"]["value"]
+            self.assertEqual(gives, gap > 0.01*self.ARM)
+            self.assertEqual(gives, len(found) == 1)
+            if gives:
+                self.assertTrue(self.FORCE/2e3 < gap < 2*self.FORCE/2e3)
+                self.assertEqual(f"joint hinge (901) gave way by {100*gap/self.ARM:.0f} % of its arm, "
+                                 f"{gap:.1E} of 5.0E-01", found[0]["message"])
+
+    def test_info_reads_a_t01_as_another_reader_does(self):
+        t01 = SOURCE / "tests" / "parity" / "REV01" / "REV01T01"
+        times, data = read_t01(t01)
+        told = json.loads(self.kjoint("info", "--json", t01).stdout)
+        self.assertEqual(("T01", len(times), times[-1]), (told["kind"], told["samples"], told["last_time"]))
+        (joint, series), = data[SPRING].items()
+        start, n, _ = CHANNELS[SPRING]["force"]
+        norm = np.linalg.norm([series[start + k] for k in range(n)], axis=0)
+        worst = told["worst"]["force"]
+        self.assertEqual((joint, times[norm.argmax()]), (worst["joint"], worst["time"]))
+        self.assertLess(abs(worst["value"]/norm.max() - 1), 1e-14)
+        text = self.kjoint("info", t01).stdout
+        for word in ("OpenRadioss", f"{len(times)} samples", "1 joint, 2 rigid bodies, 4 nodes", "peak force    686"):
+            self.assertIn(word, text)
+
+    def test_info_says_why_a_file_does_not_open(self):
+        self.assertIn("there is no none.h5", self.kjoint("info", "none.h5", code=3).stderr)
+        self.assertIn("no file", self.kjoint("info", ".", code=3).stderr)
+        (self.folder / "text.h5").write_text("not a history")
+        self.assertIn("text.h5", self.kjoint("info", "text.h5", code=3).stderr)
+        self.kjoint("run", "-q", self.DECK, "-o", "a.h5", "--until", "0.1")
+        data = (self.folder / "a.h5").read_bytes()
+        (self.folder / "cut.h5").write_bytes(data[:len(data)//2])
+        self.assertIn("cut.h5", self.kjoint("info", "cut.h5", code=3).stderr)
 
 
 class Show(Results):

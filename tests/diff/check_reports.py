@@ -94,7 +94,7 @@ def check_convert(kjoint, folder, time):
             claim(np.array_equal(file[name][:], (1 + code) * np.cos(time)), f"convert: {name}")
     # the steps of this file are 8 cos t
     info = run(kjoint, folder, "info", "A.h5")[1]
-    steps = re.search(r"time step (\S+) to (\S+)", info)
+    steps = re.search(r"steps +(\S+) to (\S+)", info)
     claim(steps and abs(float(steps[1]) - 8 * np.cos(1)) < 1e-4 and float(steps[2]) == 8, f"info: {info}")
     # from a machine of the other byte order
     columns = {code: (1 + code) * np.cos(time) for code in GLOBALS}

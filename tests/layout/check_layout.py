@@ -315,6 +315,10 @@ class Checker:
             if h5_has(self.path, name):
                 with xarray.open_dataset(self.path, group=name, engine=engine) as data:
                     self.expect(len(data.to_dataframe()) > 0, f"{name} in xarray", "is empty")
+                    last = data[name].values[-1]
+                    self.expect(data.sel({name: last})[name] == last and
+                                name not in data.mean(name).dims,
+                                f"{name} in xarray", "has no last row or no mean")
 
     def check_tables(self, data, place):
         """What people do first with a group: a table, a mean, a sample by its time."""
