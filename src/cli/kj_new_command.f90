@@ -2,6 +2,7 @@
 module kj_new_command
    use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
    use kj_option, only: arguments_t, did_you_mean
+   use kj_joint_types, only: joint_types
    use kj_shipped_deck, only: shipped_count, shipped_name, shipped_text
    use kj_spelling, only: upper
    use kj_terminal, only: print_line
@@ -11,6 +12,7 @@ module kj_new_command
    public :: new_command
 
    character(len=*), parameter :: STARTER = '_0000.rad'
+   integer, parameter :: WIDTH = 60
 
 contains
 
@@ -21,20 +23,30 @@ contains
       type(arguments_t), intent(in) :: args
       type(error_t), allocatable, intent(out) :: error
 
-      character(len=40), allocatable :: kinds(:)
-      integer :: k
+      character(len=WIDTH), allocatable :: kinds(:), about(:)
+      character(len=:), allocatable :: word
+      integer :: k, type, status
 
-      call list_kinds(kinds)
+      call list_kinds(kinds, about)
       if (args%n_operand == 0) then
          call print_line('kjoint new KIND writes KIND_0000.rad and KIND_0001.rad. Kinds:')
          do k = 1, size(kinds)
-            call print_line('   '//trim(kinds(k)))
+            call print_line('   '//kinds(k)(:24)//trim(about(k)))
          end do
          return
       end if
-      do k = 1, size(kinds)                      ! the begin of a name will do
-         if (index(upper(kinds(k)), upper(args%operand(1)%s)) == 1) exit
+      word = args%operand(1)%s
+      read (word, *, iostat=status) type         ! the number of a joint type, or a part of the name
+      if (status == 0 .and. type > 0 .and. type <= size(joint_types)) word = joint_types(type)%name
+      word = trim(upper(word))
+      do k = 1, size(kinds)
+         if (index(upper(kinds(k)), word) == 1) exit
       end do
+      if (k > size(kinds)) then
+         do k = 1, size(kinds)
+            if (index(upper(about(k)), '('//word//')') > 0) exit
+         end do
+      end if
       if (k > size(kinds)) then
          call fail(error, ERR_INPUT, 'there is no deck of the kind "'//args%operand(1)%s//'"')
          error%hint = did_you_mean(args%operand(1)%s, kinds)
@@ -46,17 +58,21 @@ contains
       if (.not. allocated(error)) call print_line('kjoint run '//trim(kinds(k))//STARTER)
    end subroutine new_command
 
-   !> The names of the starter decks, without their end
-   subroutine list_kinds(kinds)
-      character(len=40), allocatable, intent(out) :: kinds(:)
+   !> The names of the starter decks, without their end, and how their second line begins
+   subroutine list_kinds(kinds, about)
+      character(len=WIDTH), allocatable, intent(out) :: kinds(:), about(:)
 
-      character(len=:), allocatable :: name
-      integer :: i
+      character(len=:), allocatable :: name, text
+      integer :: i, first
 
-      allocate (kinds(0))
+      allocate (kinds(0), about(0))
       do i = 1, shipped_count()
          call shipped_name(i, name)
-         if (index(name, STARTER) > 0) kinds = [character(len=40) :: kinds, name(:len(name) - 9)]
+         if (index(name, STARTER) == 0) cycle
+         call shipped_text(i, text)
+         first = index(text, new_line('a')//'# ') + 3
+         kinds = [character(len=WIDTH) :: kinds, name(:len(name) - len(STARTER))]
+         about = [character(len=WIDTH) :: about, text(first:first + scan(text(first:), ':,.;') - 2)]
       end do
    end subroutine list_kinds
 

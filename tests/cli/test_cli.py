@@ -701,7 +701,7 @@ class Learn(Program):
         self.assertIn("did you mean /GRAV?", self.kjoint("help", "/GRAF", code=2).stderr)
 
     def test_new_decks_are_those_that_are_shipped(self):
-        kinds = self.kjoint("new").stdout.split("Kinds:")[1].split()
+        kinds = [line.split()[0] for line in self.kjoint("new").stdout.splitlines()[1:]]
         shipped = sorted(p.name[:-9] for p in (SOURCE / "decks").glob("*_0000.rad"))
         self.assertEqual(shipped, sorted(kinds))
         self.kjoint("new", "door")                         # the begin of a name will do
@@ -709,6 +709,13 @@ class Learn(Program):
             self.assertEqual((SOURCE / "decks" / f"door_hinge{end}").read_bytes(),
                              (self.folder / f"door_hinge{end}").read_bytes())
         self.kjoint("check", "-q", "door_hinge_0000.rad")
+        for word in ("four_bar", "slider_crank", *range(1, 10), "fixed"):       # number or name of a joint type
+            self.folder.joinpath("rigid_weld_0000.rad").unlink(missing_ok=True)
+            self.folder.joinpath("rigid_weld_0001.rad").unlink(missing_ok=True)
+            deck = self.kjoint("new", str(word)).stdout.split()[-1]
+            self.kjoint("check", "-q", deck)
+            if isinstance(word, int):
+                self.assertRegex((self.folder / deck).read_text(), rf"#     Type .*\n {{9}}{word} ")
         done = self.kjoint("new", "door_hinge", code=3)    # never over a file
         self.assertIn("there already", done.stderr)
         self.assertIn("did you mean", self.kjoint("new", "slidr_crank", code=2).stderr)

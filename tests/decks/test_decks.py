@@ -314,9 +314,32 @@ def spring_mount(run, claims):
                 [0.0, 50.0, 0.0], 3.0 * lost * 1e-5 if lost > 1.0 else 2e-5)
 
 
+def four_bar(run, claims):
+    # crank A B of 0.1 m from straight up; C where the circles about B and D meet
+    a, speed = run_up(run.t, 4.0 * np.pi, 0.2)
+    claims.near("angle of the crank [rad]", run.joint("crank bearing", "rotation")[:, 0], a, 1e-4)
+    a = a + 0.5 * np.pi
+    coupler, rocker = 0.13, 0.1                              # lengths squared
+    b = 0.1 * np.stack([np.cos(a), np.sin(a)], axis=1)
+    d = np.array([0.4, 0.0]) - b
+    length = np.linalg.norm(d, axis=1)
+    along = (coupler - rocker + length**2) / (2.0 * length)
+    e = d / length[:, None]
+    c = b + along[:, None] * e + np.sqrt(coupler - along**2)[:, None] * np.stack([-e[:, 1], e[:, 0]], axis=1)
+    turn = np.arctan2(c[:, 1], c[:, 0] - 0.4) - np.arctan2(0.3, -0.1)
+    claims.near("swing in the deck [rad]", [turn.min(), turn.max()], [-0.131, 0.541], 1e-3)
+    # joints give way by force / Kn: 1 kN at most, 1e-4 m of 0.3 m
+    found = run.joint("rocker bearing", "rotation")[:, 0]
+    claims.near("angle of the rocker [rad]", found, turn, 1e-3)
+    stop = 200.0 * np.maximum(0.0, found - 0.4)
+    claims.near("peak of the stop [N m]", stop.max(), 28.1, 0.2)
+    claims.near("moment of the stop [N m]", run.joint("rocker bearing", "moment")[:, 0], stop, 1.5)
+    claims.near("the linkage stays plane [m]", run.body("coupler", "position")[:, 2], 0.0, 1e-9)
+
+
 CHECKS = (slider_crank, spherical_pendulum, revolute_pendulum, cylindrical_nut, planar_puck,
           universal_shaft, translational_slider, oldham_coupling, rigid_weld, free_bushing,
-          door_hinge, knee, spring_mount)
+          door_hinge, knee, spring_mount, four_bar)
 
 
 def check_run(outcome, run, formulation, deck, claims):
