@@ -250,7 +250,7 @@ class Page:
                     len(run["time"]), MOST_SAMPLES)).astype(int))
                 self.meta["reference"] = {"time": self.numbers.add(run["time"][()][keep]),
                                           "curves": self.curves(run["joint"], keep, rows_of)}
-        worst = "".join(f"<tr><td>{html.escape(c['name'])}<td class=n>{number(c.get('difference'))}"
+        worst = "".join(f"<tr><td>{html.escape(c['title'])}<td class=n>{number(c.get('difference'))}"
                         f"<td class=n>{number(c.get('tolerance'))}<td class=n>{number(c.get('time'))}"
                         "</tr>" for c in told["channel"] if c["name"] in told["worst"][:10])
         return (f"<h2>Comparison with {html.escape(str(self.reference))}</h2>"

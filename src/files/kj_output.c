@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -63,6 +64,16 @@ int kj_is_written(const char *path)
    written = fcntl(file, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
    close(file);
    return written;
+}
+
+/* Whether another program holds a lock that keeps readers out, as HDF5 takes it to write */
+int kj_is_locked(const char *path)
+{
+   int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC), locked;
+   if (file < 0) return 0;
+   locked = flock(file, LOCK_SH | LOCK_NB) && errno == EWOULDBLOCK;
+   close(file);
+   return locked;
 }
 
 /* Is `name` that of a file which grows to be `base`? */

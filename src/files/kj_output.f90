@@ -8,7 +8,7 @@ module kj_output
    private
 
    public :: settle_output, open_part, end_part, copy_to, name_part, has_name, find_part, &
-      is_written, write_output, why
+      is_written, is_locked, write_output, why
 
    integer, parameter :: OTHER = 2               !! neither nothing nor a regular file
    integer, parameter :: TAKEN = -2              !! kj_part_open
@@ -36,6 +36,11 @@ module kj_output
          import :: c_int, c_char
          character(kind=c_char), intent(in) :: path(*)
       end function kj_is_written
+
+      integer(c_int) function kj_is_locked(path) bind(c)
+         import :: c_int, c_char
+         character(kind=c_char), intent(in) :: path(*)
+      end function kj_is_locked
 
       integer(c_int) function kj_find_part(path, own, written, found, n) bind(c)
          import :: c_int, c_char, c_size_t
@@ -183,6 +188,13 @@ contains
 
       is_written = kj_is_written(path//c_null_char) /= 0
    end function is_written
+
+   !> Whether another program has locked this file against readers
+   logical function is_locked(path)
+      character(len=*), intent(in) :: path
+
+      is_locked = kj_is_locked(path//c_null_char) /= 0
+   end function is_locked
 
    !> The newest file beside `path` that grows to be it (written); or that a run left which was
    !> killed, and is newer than what stands at `path`. Empty when there is none

@@ -10,6 +10,7 @@ module kj_reader
    use kj_t01, only: t01_reader_t, open_t01, read_t01_rows, close_t01
    use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
       read_run_facts
+   use kj_output, only: is_locked
    use kj_sink, only: sink_t
    implicit none
    private
@@ -54,7 +55,12 @@ contains
       if (allocated(error)) return
       if (is_h5) then
          call open_h5_history(path, reader%h5, history, n_row, error)
-         if (allocated(error)) return
+         if (allocated(error)) then
+            if (index(error%message, 'cannot open') == 1) &
+               error%hint = 'it is damaged: `kjoint recover` puts right what a kill left'
+            if (is_locked(path)) error%hint = 'another program holds it open for writing, with a lock'
+            return
+         end if
          reader%kind = KIND_H5
          reader%has_units = all(history%units%si > 0.0_wp)
          allocate (reader%given(history%n_value), source=.true.)

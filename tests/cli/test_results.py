@@ -6,6 +6,7 @@ usage: test_results.py KJOINT [unittest arguments]
 import csv
 import io
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -245,7 +246,12 @@ class Worst(Program):
         self.kjoint("run", "-q", self.DECK, "-o", "a.h5", "--until", "0.1")
         data = (self.folder / "a.h5").read_bytes()
         (self.folder / "cut.h5").write_bytes(data[:len(data)//2])
-        self.assertIn("cut.h5", self.kjoint("info", "cut.h5", code=3).stderr)
+        self.assertIn("damaged", self.kjoint("info", "cut.h5", code=3).stderr)
+        with h5py.File(self.folder / "open.h5", "w"):
+            self.assertIn("another program holds it open", self.kjoint("info", "open.h5", code=3).stderr)
+        if os.geteuid() != 0:                        # root reads all
+            (self.folder / "cut.h5").chmod(0)
+            self.assertIn("ermission denied", self.kjoint("info", "cut.h5", code=3).stderr)
 
 
 class Show(Results):
