@@ -58,7 +58,8 @@ contains
          if (allocated(error)) then
             if (index(error%message, 'cannot open') == 1) &
                error%hint = 'it is damaged: `kjoint recover` puts right what a kill left'
-            if (is_locked(path)) error%hint = 'another program holds it open for writing, with a lock'
+            if (is_locked(path)) &
+               error%hint = 'another program holds it open for writing, with a lock'
             return
          end if
          reader%kind = KIND_H5
