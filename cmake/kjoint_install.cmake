@@ -14,7 +14,7 @@ if(KJOINT_C)
   install(EXPORT kjoint-c NAMESPACE kjoint:: DESTINATION ${package_dir})
   install(FILES include/kjoint.h TYPE INCLUDE)
   install(DIRECTORY python/kjoint DESTINATION ${CMAKE_INSTALL_LIBDIR}/kjoint/python
-    FILES_MATCHING PATTERN "*.py" PATTERN "*.html")
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "py.typed")
 endif()
 
 # ---- manual pages and completions, out of what the program says of itself

@@ -1,6 +1,9 @@
 """The mechanism of a history as points, lines and numbers at any sample."""
+from __future__ import annotations
+
 import pathlib
 import tempfile
+from typing import Any
 
 from ._show import Units, call, fail, need
 
@@ -13,7 +16,7 @@ class Scene:
     loads     {"force": (sample, joint), "moment", "gap"}: norms
     """
 
-    def __init__(self, path, what):
+    def __init__(self, path: Any, what: Any) -> None:
         self.np, self.h5py = need(what, "numpy", "h5py")
         np = self.np
         try:
@@ -46,14 +49,14 @@ class Scene:
                 self.loads["gap"] = joint["violation_trans"][()]
             self.points, self.segments = self.bodies(run, n)
 
-    def converted(self, path):
+    def converted(self, path: Any) -> Any:
         """A T01 as a history."""
         self.folder = tempfile.TemporaryDirectory()
         target = pathlib.Path(self.folder.name) / "converted.h5"
         call("convert", path, "-o", target)
         return self.h5py.File(target, "r")
 
-    def bodies(self, run, n):
+    def bodies(self, run: Any, n: Any) -> Any:
         np = self.np
         if "point" not in run or "segment" not in run:
             return np.zeros((n, 0, 3)), np.zeros((0, 2), int)
@@ -69,7 +72,7 @@ class Scene:
         self.point_body = owner
         return run["rigid_body/position"][()][:, owner] + turned, segments.reshape(-1, 2)
 
-    def box(self):
+    def box(self) -> Any:
         """Middle and half the longest side of what the mechanism reaches."""
         np = self.np
         everything = np.concatenate([self.joints.reshape(-1, 3), self.points.reshape(-1, 3)])
@@ -78,7 +81,7 @@ class Scene:
         low, high = np.nanmin(everything, axis=0), np.nanmax(everything, axis=0)
         return 0.5 * (low + high), max(0.5 * (high - low).max(), 1e-12)
 
-    def flat_direction(self):
+    def flat_direction(self) -> Any:
         """The axis across which the mechanism reaches least: a plane mechanism is seen along it."""
         np = self.np
         everything = np.concatenate([self.joints.reshape(-1, 3), self.points.reshape(-1, 3)])

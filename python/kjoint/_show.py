@@ -1,21 +1,24 @@
 """What the programs that show histories share: kjoint itself, units, words for what is missing."""
+from __future__ import annotations
+
 import importlib
 import json
 import os
 import shutil
 import subprocess
 import sys
+from typing import Any
 
 # Tableau's colours for the colour blind
 COLOURS = ("#006ba4", "#ff800e", "#595959", "#5f9ed1", "#c85200", "#898989", "#a2c8ec", "#ffbc79")
 
 
-def fail(message, code=2):
+def fail(message: Any, code: Any = 2) -> None:
     print(f"error: {message}", file=sys.stderr)
     sys.exit(code)
 
 
-def need(what, *names):
+def need(what: Any, *names: Any) -> Any:
     """Modules that a command needs, or the end of the program with what to install."""
     found = []
     for name in names:
@@ -28,7 +31,7 @@ def need(what, *names):
     return found
 
 
-def program():
+def program() -> Any:
     """The program kjoint that called us, else the one in the path."""
     found = os.environ.get("KJOINT_PROGRAM") or shutil.which("kjoint")
     if not found:
@@ -36,7 +39,7 @@ def program():
     return found
 
 
-def call(*words, codes=(0,)):
+def call(*words: Any, codes: Any = (0,)) -> Any:
     """What the program prints; it has said what went wrong when that is the end."""
     done = subprocess.run([program(), *map(str, words)], capture_output=True, text=True, check=False)
     if done.returncode not in codes:
@@ -45,7 +48,7 @@ def call(*words, codes=(0,)):
     return done.stdout
 
 
-def export(history, names):
+def export(history: Any, names: Any) -> Any:
     """Series of a history of either kind, as `kjoint export --to json` tells them; NaN for null."""
     found = json.loads(call("export", history, *names, "--to", "json"))
     for series in found["series"]:
@@ -67,7 +70,7 @@ SMALL = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 class Units:
     """Turns values of a history into the units that were asked for: `N,mm,s`, `kN,m`, `deg`."""
 
-    def __init__(self, wanted, history):
+    def __init__(self, wanted: Any, history: Any) -> None:
         self.known = all(si > 0 for si in history["unit_si"])
         self.have = list(history["unit_si"]) if self.known else [1.0, 1.0, 1.0]
         self.symbol = list(history["unit_symbol"])
@@ -95,7 +98,7 @@ class Units:
         self.energy = next((name for name, si in (("J", 1.0), ("kJ", 1e3), ("mJ", 1e-3))
                             if self.known and abs(si / (m * length**2 / t**2) - 1) < 1e-9), None)
 
-    def of(self, series):
+    def of(self, series: Any) -> Any:
         """Factor and name of the unit of a series."""
         power, angle = series["dimension"], series["angle"]
         factor = 1.0

@@ -6,9 +6,12 @@ usage: python3 -m kjoint.animate RUN.h5 --output FILE.mp4|gif|png [--colour forc
 A plane mechanism is seen along its normal, any other in space. Drawn by matplotlib, so it needs no
 OpenGL; mp4 by the ffmpeg of imageio-ffmpeg or of the system.
 """
+from __future__ import annotations
+
 import argparse
 import pathlib
 import shutil
+from typing import Any
 
 from ._scene import Scene
 from ._show import fail, need
@@ -17,7 +20,7 @@ RATE = 25                                        # pictures a second
 TRAIL = 40                                       # pictures that the trail of a joint shows
 
 
-def draw_film(scene, options):
+def draw_film(scene: Any, options: Any) -> None:
     np, plt, animation = need("animate", "numpy", "matplotlib.pyplot", "matplotlib.animation")
     plt.switch_backend("Agg")
     suffix = pathlib.Path(options.output).suffix
@@ -32,42 +35,42 @@ def draw_film(scene, options):
     times = np.linspace(scene.time[0], scene.time[-1], n)
     frames = np.searchsorted(scene.time, times).clip(0, len(scene.time) - 1)
 
-    def frame(k):
+    def frame(k: Any) -> Any:
         picture.show(frames[k], frames[max(0, k - TRAIL):k + 1])
         return []
 
-    film = animation.FuncAnimation(picture.figure, frame, frames=n, blit=False)
     if suffix == ".gif":
         need("animate", "PIL")
-        film.save(options.output, writer=animation.PillowWriter(fps=RATE), dpi=70)
-        return
-    if not shutil.which("ffmpeg"):
-        plt.rcParams["animation.ffmpeg_path"] = need("animate FILE.mp4",
-                                                     "imageio_ffmpeg")[0].get_ffmpeg_exe()
-    film.save(options.output, writer=animation.FFMpegWriter(
-        fps=RATE, codec="libx264", extra_args=["-pix_fmt", "yuv420p", "-vf",
-                                               "pad=ceil(iw/2)*2:ceil(ih/2)*2"]), dpi=110)
+        writer, dpi = animation.PillowWriter(fps=RATE), 70
+    else:
+        if not shutil.which("ffmpeg"):
+            plt.rcParams["animation.ffmpeg_path"] = need("animate FILE.mp4",
+                                                         "imageio_ffmpeg")[0].get_ffmpeg_exe()
+        writer, dpi = animation.FFMpegWriter(
+            fps=RATE, codec="libx264", extra_args=["-pix_fmt", "yuv420p", "-vf",
+                                                   "pad=ceil(iw/2)*2:ceil(ih/2)*2"]), 110
+    animation.FuncAnimation(picture.figure, frame, frames=n, blit=False).save(
+        options.output, writer=writer, dpi=dpi)
 
 
 class Picture:
     """One figure, whose lines and points move."""
 
-    def __init__(self, np, plt, scene, colour):
+    def __init__(self, np: Any, plt: Any, scene: Any, colour: Any) -> None:
         self.np, self.scene = np, scene
         self.values = scene.loads.get(colour)
         flat = scene.flat_direction()
         middle, reach = scene.box()
         reach *= 1.08
+        self.axes: tuple[int, ...] = tuple(k for k in range(3) if k != flat)
         if flat is None:
-            self.axes = (0, 1, 2)
             self.figure, axis = plt.subplots(figsize=(7.0, 5.6), layout="constrained",
                                              subplot_kw={"projection": "3d"})
             axis.set_box_aspect((1, 1, 1))
             axis.set_zlim(middle[2] - reach, middle[2] + reach)
             axis.set_zlabel(f"z [{scene.units['length']}]")
         else:
-            self.axes = tuple(k for k in range(3) if k != flat)
-            a, b = self.axes
+            a, b = self.axes[:2]
             extent = np.ptp(np.concatenate([scene.joints.reshape(-1, 3),
                                             scene.points.reshape(-1, 3)]), axis=0)
             height = max(0.35, min(1.4, (extent[b] + 0.2 * reach) / (extent[a] + 0.2 * reach)))
@@ -106,7 +109,7 @@ class Picture:
         self.figure.canvas.draw()               # the layout is found once, not for each picture
         self.figure.set_layout_engine("none")
 
-    def show(self, i, trail):
+    def show(self, i: Any, trail: Any) -> None:
         scene = self.scene
         for line, (p, q) in zip(self.lines, scene.segments):
             self.put(line, scene.points[i, [p, q]])
@@ -122,14 +125,14 @@ class Picture:
         self.axis.set_title(f"{scene.title}   t = {scene.time[i]:.5g} {scene.units['time']}",
                             fontsize=10, loc="left", fontfamily="DejaVu Sans")
 
-    def put(self, line, xyz):
+    def put(self, line: Any, xyz: Any) -> None:
         a, b = self.axes[:2]
         line.set_data(xyz[:, a], xyz[:, b])
         if len(self.axes) == 3:
             line.set_3d_properties(xyz[:, 2])
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="kjoint animate")
     parser.add_argument("run")
     parser.add_argument("--output", required=True)

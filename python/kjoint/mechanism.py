@@ -196,7 +196,8 @@ class Mechanism:
             if abs(first @ second) > 1e-6:
                 raise Error(f"axis and axis_2 of {called}, a universal joint, are not perpendicular")
         second = across/np.linalg.norm(across)
-        laws = dict(k=k or {}, c=c or {}, stops=stops or {}, friction=friction or {})
+        laws: dict[str, Mapping[str, Any]] = dict(k=k or {}, c=c or {}, stops=stops or {},
+                                                  friction=friction or {})
         for what, given in laws.items():
             for dof in given:
                 if dof not in DOFS:
@@ -208,10 +209,10 @@ class Mechanism:
         for dof, (low, high) in laws["stops"].items():
             if not low <= 0.0 <= high:
                 raise Error(f"stops of {called}, {dof}: {low:g} to {high:g} do not hold 0")
-        joint = dict(type=number, bodies=ends, at=_vector(at, f"the place of {called}"),
-                     axes=(first, second), kn=_at_least(kn, 0.0, f"kn of {called}"),
-                     cr=_at_least(cr, 0.0, f"cr of {called}"), name=called, locked=locked,
-                     stops=laws["stops"], k={}, c={}, friction={})
+        joint: dict[str, Any] = dict(
+            type=number, bodies=ends, at=_vector(at, f"the place of {called}"), axes=(first, second),
+            kn=_at_least(kn, 0.0, f"kn of {called}"), cr=_at_least(cr, 0.0, f"cr of {called}"),
+            name=called, locked=locked, stops=laws["stops"], k={}, c={}, friction={})
         for what in ("k", "c"):
             for dof, law in laws[what].items():
                 joint[what][dof] = self._law(law, f"{what} of {called}, {dof}")

@@ -2,7 +2,10 @@
 
 usage: python3 -m kjoint.plot --run RUN [--run OTHER ...] [--channel NAME ...] [--units LIST] --output FILE
 """
+from __future__ import annotations
+
 import argparse
+from typing import Any
 
 from ._show import COLOURS, Units, export, fail, need
 
@@ -10,9 +13,9 @@ STANDARD = ["kinetic_energy_* internal_energy external_work", "joint/force.norm"
 DASHES = ("-", "--", ":", "-.")
 
 
-def panels(runs, words):
+def panels(runs: Any, words: Any) -> Any:
     """For each word the series of each run: [(word, [{name: series} a run])]."""
-    found = []
+    found: list[Any] = []
     for k, run in enumerate(runs):
         for i, word in enumerate(words):
             told = export(run, [word])
@@ -22,7 +25,7 @@ def panels(runs, words):
     return found
 
 
-def draw(runs, words, units, path):
+def draw(runs: Any, words: Any, units: Any, path: Any) -> None:
     np, plt = need("plot", "numpy", "matplotlib.pyplot")
     plt.switch_backend("Agg")
     plt.rcParams.update({"axes.prop_cycle": plt.cycler(color=COLOURS), "font.size": 9,
@@ -44,7 +47,7 @@ def draw(runs, words, units, path):
     figure.savefig(path, dpi=110)
 
 
-def draw_panel(np, axis, below, word, told, runs, units):
+def draw_panel(np: Any, axis: Any, below: Any, word: Any, told: Any, runs: Any, units: Any) -> None:
     """One word: a colour a series, a dash a run; below, what the others have more than the first."""
     first = {}
     label_of = common(told[0]["series"])
@@ -77,17 +80,17 @@ def draw_panel(np, axis, below, word, told, runs, units):
     axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
 
 
-def key(series):
+def key(series: Any) -> Any:
     """The same thing in another run, whatever its label is there."""
     return series["channel"], series.get("entity"), series.get("component")
 
 
-def common(series):
+def common(series: Any) -> Any:
     """Labels without what all series of a panel share."""
     channels = {s["channel"] for s in series}
     entities = {s.get("entity") for s in series}
 
-    def label(s):
+    def label(s: Any) -> Any:
         entity = s["name"].partition("[")[2].rpartition("]")[0]
         parts = [s["channel"]] if len(channels) > 1 else []
         if len(entities) > 1 or not (s.get("component") or parts):
@@ -98,7 +101,7 @@ def common(series):
     return label
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="kjoint plot")
     parser.add_argument("--run", action="append", required=True)
     parser.add_argument("--channel", action="append", default=[])

@@ -3,6 +3,8 @@ time slider, joints with peaks and curves, energies, a comparison, provenance.
 
 usage: python3 -m kjoint.report RUN.h5 [--reference REF] --output RUN.html
 """
+from __future__ import annotations
+
 import argparse
 import base64
 import gzip
@@ -11,6 +13,7 @@ import json
 import pathlib
 import string
 import tempfile
+from typing import Any
 
 from ._scene import Scene
 from ._show import Units, call, fail, need
@@ -26,10 +29,11 @@ ENERGIES = ("kinetic_energy_trans", "kinetic_energy_rot", "internal_energy", "ex
 class Numbers:
     """All series as 16-bit steps between their least and largest value, in one block."""
 
-    def __init__(self, np):
-        self.np, self.blocks, self.n = np, [], 0
+    def __init__(self, np: Any) -> None:
+        self.np, self.n = np, 0
+        self.blocks: list[Any] = []
 
-    def add(self, values):
+    def add(self, values: Any) -> Any:
         np = self.np
         values = np.asarray(values, float).ravel()
         good = np.isfinite(values)
@@ -40,16 +44,16 @@ class Numbers:
         at, self.n = self.n, self.n + len(block)
         return {"at": at, "n": len(block), "min": float(low), "max": float(high)}
 
-    def packed(self):
+    def packed(self) -> Any:
         return packed(self.np.concatenate(self.blocks).tobytes())
 
 
-def packed(data):
+def packed(data: Any) -> Any:
     return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()
 
 
 class Page:
-    def __init__(self, path, reference):
+    def __init__(self, path: Any, reference: Any) -> None:
         self.np, self.h5py, self.plotly = need("report", "numpy", "h5py", "plotly")
         self.path, self.reference = path, reference
         self.info = json.loads(call("info", path, "--json"))
@@ -59,7 +63,7 @@ class Page:
             self.units = self.units_of(run)
             self.read(run)
 
-    def opened(self, path):
+    def opened(self, path: Any) -> Any:
         """A history; a T01 becomes one first."""
         if self.h5py.is_hdf5(path):
             return self.h5py.File(path, "r")
@@ -67,16 +71,16 @@ class Page:
         call("convert", path, "-o", target)
         return self.h5py.File(target, "r")
 
-    def units_of(self, run):
+    def units_of(self, run: Any) -> Any:
         return Units(None, {"unit_si": list(run.attrs["unit_si"]), "unit_symbol":
                             [run.attrs[f"unit_{name}"] for name in ("mass", "length", "time")]})
 
-    def unit(self, dimension, kind="", angle=False):
+    def unit(self, dimension: Any, kind: Any = "", angle: Any = False) -> Any:
         return self.units.of({"dimension": dimension, "angle": angle, "class": kind})[1]
 
     # ---- numbers
 
-    def read(self, run):
+    def read(self, run: Any) -> None:
         np = self.np
         stride = max(1, -(-len(run["time"]) // MOST_SAMPLES))
         keep = np.arange(0, len(run["time"]), stride)
@@ -84,7 +88,7 @@ class Page:
             keep = np.append(keep, len(run["time"]) - 1)
         self.time, self.keep = run["time"][()][keep], keep
         unit_t = self.unit([0, 0, 1])
-        self.meta = {"time": {**self.numbers.add(self.time), "label": f"time [{unit_t}]",
+        self.meta: dict[str, Any] = {"time": {**self.numbers.add(self.time), "label": f"time [{unit_t}]",
                               "unit": unit_t}}
         joint = run.get("joint")
         self.joints = self.table(run, joint) if joint is not None else []
@@ -106,7 +110,7 @@ class Page:
         self.inputs = {name: (text.asstr()[()], text.attrs["role"], text.attrs["sha256"])
                        for name, text in run.get("input", {}).items()}
 
-    def load_columns(self, joint):
+    def load_columns(self, joint: Any) -> Any:
         if joint is None:
             return {}
         norm = self.np.linalg.norm
@@ -115,7 +119,7 @@ class Page:
             columns["gap"] = joint["violation_trans"][()].T
         return columns
 
-    def curves(self, joint, keep, rows):
+    def curves(self, joint: Any, keep: Any, rows: Any) -> Any:
         found = []
         data = {key: joint[name][()][keep] for key, name, _ in PANELS
                 if joint is not None and name in joint}
@@ -124,7 +128,7 @@ class Page:
                           for key, values in data.items()} if j is not None else None)
         return found
 
-    def mechanism(self, run, joint, keep):
+    def mechanism(self, run: Any, joint: Any, keep: Any) -> Any:
         if joint is None or "position" not in joint:
             return None
         np = self.np
@@ -143,7 +147,7 @@ class Page:
                 "points": self.numbers.add(scene.points[keep][frames]),
                 "places": self.numbers.add(scene.joints[keep][frames])}
 
-    def energies(self, run, keep):
+    def energies(self, run: Any, keep: Any) -> None:
         unit = self.unit([1, 2, -2], "energy")
         self.meta["energy_label"] = f"energy [{unit}]"
         self.meta["energies"] = [
@@ -153,7 +157,7 @@ class Page:
             self.meta["energies"].append({"name": "energy error", "error": True, "series":
                                           self.numbers.add(100 * run["energy_error"][()][keep])})
 
-    def table(self, run, joint):
+    def table(self, run: Any, joint: Any) -> Any:
         """One row a joint: its peaks, and the gap over its longer arm."""
         np = self.np
         arms = {}
@@ -182,7 +186,7 @@ class Page:
 
     # ---- words
 
-    def summary(self):
+    def summary(self) -> Any:
         info, worst = self.info, self.info["worst"]
         lines = [("status", self.provenance.get("status", "T01"))]
         if info["samples"]:
@@ -202,7 +206,7 @@ class Page:
                                                     if key == "gap" else "")))
         return rows(lines)
 
-    def findings(self):
+    def findings(self) -> Any:
         """What the joints did, and what `kjoint check` says of the decks in the history."""
         items = [f'<li class="bad">{html.escape(j["name"])} gave way by {100 * j["share"]:.2g} % of '
                  "its arm</li>" for j in self.joints if j.get("share", 0) > 0.01]
@@ -218,7 +222,7 @@ class Page:
                       for f in told["findings"] if f["severity"] != "note"]
         return f"<ul>{''.join(items)}</ul>" if items else "<p>None.</p>"
 
-    def joint_table(self):
+    def joint_table(self) -> Any:
         if not self.joints:
             return "<p>The history holds no joints.</p>"
         f, m, x = (self.unit([1, 1, -2], "force"), self.unit([1, 2, -2]), self.unit([0, 1, 0]))
@@ -238,7 +242,7 @@ class Page:
             body.append(f"<tr>{''.join(cells)}</tr>")
         return f'<table id="joints"><thead>{head}</thead><tbody>{"".join(body)}</tbody></table>'
 
-    def comparison(self):
+    def comparison(self) -> Any:
         if not self.reference:
             return ""
         told = json.loads(call("diff", self.reference, self.path, "--json", codes=(0, 1)))
@@ -259,7 +263,7 @@ class Page:
                 f"<th class=n>at t</tr>{worst}</table>"
                 '<p class="dim">The curves above show the reference dashed.</p>')
 
-    def origin(self):
+    def origin(self) -> Any:
         lines = [(name, str(value)) for name, value in self.provenance.items()]
         lines += [(f"{role} deck", f"{name}, SHA-256 {sha}") for name, (_, role, sha) in
                   self.inputs.items()]
@@ -267,7 +271,7 @@ class Page:
             lines.append(("curves", f"{len(self.keep)} of {self.info['samples']} samples are drawn"))
         return rows(lines)
 
-    def write(self, path):
+    def write(self, path: Any) -> None:
         template = pathlib.Path(__file__).with_name("report.html").read_text(encoding="utf-8")
         code = pathlib.Path(self.plotly.__file__).parent / "package_data" / "plotly.min.js"
         comparison = self.comparison()
@@ -282,16 +286,16 @@ class Page:
         pathlib.Path(path).write_text(text, encoding="utf-8")
 
 
-def rows(lines):
+def rows(lines: Any) -> Any:
     return "<table>" + "".join(f"<tr><td class=dim>{html.escape(name)}<td>{html.escape(value)}</tr>"
                                for name, value in lines) + "</table>"
 
 
-def number(value):
+def number(value: Any) -> Any:
     return "" if value is None else f"{value:.4g}"
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="kjoint report")
     parser.add_argument("run")
     parser.add_argument("--reference")

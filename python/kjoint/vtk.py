@@ -5,14 +5,17 @@ usage: python3 -m kjoint.vtk RUN.h5 --to vtkhdf|pvd --output FILE
 Points of the bodies and places of the joints; lines join the points of a body, a vertex is each joint.
 Point data: id (of joint or body), is_joint, force, moment and gap of the joints, 0 elsewhere.
 """
+from __future__ import annotations
+
 import argparse
 import pathlib
+from typing import Any
 
 from ._scene import Scene
 from ._show import fail, need
 
 
-def mesh(scene):
+def mesh(scene: Any) -> Any:
     """Numbers of points, and connectivity, offsets, types of lines and vertices: constant."""
     np = scene.np
     n_point, n_joint = scene.points.shape[1], scene.joints.shape[1]
@@ -23,7 +26,7 @@ def mesh(scene):
         types.astype("u1")
 
 
-def point_data(scene):
+def point_data(scene: Any) -> Any:
     """{name: (sample, point)}"""
     np = scene.np
     n, n_point = len(scene.time), scene.points.shape[1]
@@ -37,7 +40,7 @@ def point_data(scene):
     return data
 
 
-def write_vtkhdf(scene, path):
+def write_vtkhdf(scene: Any, path: Any) -> None:
     """Temporal UnstructuredGrid of VTKHDF 2.1, which ParaView 5.12 and later read."""
     np, h5py = scene.np, scene.h5py
     n, xyz = len(scene.time), np.concatenate([scene.points, scene.joints], axis=1)
@@ -67,7 +70,7 @@ def write_vtkhdf(scene, path):
             offsets[name] = np.arange(n, dtype="i8") * n_point
 
 
-def write_pvd(scene, path):
+def write_pvd(scene: Any, path: Any) -> None:
     """A .pvd that names a .vtp for each sample, in a folder of its name."""
     vtk, numpy_support = need("export --to pvd", "vtk", "vtk.util.numpy_support")
     np = scene.np
@@ -105,7 +108,7 @@ def write_pvd(scene, path):
                     encoding="ascii")
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(prog="kjoint export")
     parser.add_argument("run")
     parser.add_argument("--to", choices=("vtkhdf", "pvd"), required=True)
