@@ -156,7 +156,7 @@ class Mechanism:
               axis: npt.ArrayLike = (1, 0, 0), axis_2: npt.ArrayLike | None = None, *,
               kn: float = 1.0e7, cr: float = 0.05, k: Mapping[str, Law] | None = None,
               c: Mapping[str, Law] | None = None,
-              stops: Mapping[str, tuple[float, float]] | None = None,
+              stops: Mapping[str, Sequence[float]] | None = None,
               friction: Mapping[str, tuple[Law, float]] | None = None,
               locked: tuple[float, float] | None = None, name: str | None = None) -> int:
         """A joint at a place; gives its number. `kjoint list joints` shows the types.
@@ -166,8 +166,10 @@ class Mechanism:
         stiffness of the blocked directions [force/length], 0: found by the program; cr: twice their
         damping ratio. By free direction, tx ty tz [length] rx ry rz [rad]: k, c: stiffness and
         damping, a number or points [(displacement or rate, force or moment), ...]; stops: (lower
-        <= 0, upper >= 0), 0 is none; friction: (limit or points of it over the displacement,
-        stiffness). locked: (from, to) [time], the free directions are held.
+        <= 0, upper >= 0), 0 is none, and perhaps their stiffness, else that of the blocked
+        directions; friction: (limit or points of it over the displacement, stiffness); where a
+        direction has both they share the stiffness. locked: (from, to) [time], the free directions
+        are held.
 
         >>> import kjoint
         >>> m = kjoint.Mechanism()
@@ -206,13 +208,20 @@ class Mechanism:
                     free = [d for d, yes in zip(DOFS, FREE[number]) if yes]
                     raise Error(f"{what} of {called}: {dof} is not free in a {self._type(number)} "
                                 f"joint, free are: {' '.join(free) or 'none'}")
-        for dof, (low, high) in laws["stops"].items():
-            if not low <= 0.0 <= high:
-                raise Error(f"stops of {called}, {dof}: {low:g} to {high:g} do not hold 0")
+        for dof, stop in laws["stops"].items():
+            if len(stop) not in (2, 3) or not stop[0] <= 0.0 <= stop[1]:
+                raise Error(f"stops of {called}, {dof}: {stop} is no (lower <= 0, upper >= 0), or with "
+                            "a stiffness behind")
+            shared = laws["friction"].get(dof, (0.0, stop[-1]))[1]
+            if len(stop) == 3 and _at_least(stop[2], 0.0, f"stiffness of the stop of {called}") != shared:
+                raise Error(f"stop and friction of {called}, {dof}, share one stiffness, not "
+                            f"{stop[2]:g} and {shared:g}")
         joint: dict[str, Any] = dict(
             type=number, bodies=ends, at=_vector(at, f"the place of {called}"), axes=(first, second),
             kn=_at_least(kn, 0.0, f"kn of {called}"), cr=_at_least(cr, 0.0, f"cr of {called}"),
-            name=called, locked=locked, stops=laws["stops"], k={}, c={}, friction={})
+            name=called, locked=locked, k={}, c={},
+            stops={dof: stop[:2] for dof, stop in laws["stops"].items()},
+            friction={dof: ((0.0, 0), stop[2]) for dof, stop in laws["stops"].items() if stop[2:]})
         for what in ("k", "c"):
             for dof, law in laws[what].items():
                 joint[what][dof] = self._law(law, f"{what} of {called}, {dof}")

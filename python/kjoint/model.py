@@ -8,7 +8,7 @@ import signal
 import tempfile
 import threading
 from types import FrameType, TracebackType
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -428,7 +428,7 @@ class Model(Handle, Samples):
 
     def set_joint(self, joint: int | str, *, kn: float | None = None, cr: float | None = None,
                   k: Mapping[str, float] | None = None, c: Mapping[str, float] | None = None,
-                  stops: Mapping[str, tuple[float, float]] | None = None,
+                  stops: Mapping[str, Sequence[float]] | None = None,
                   friction: Mapping[str, tuple[float, float]] | None = None) -> Model:
         """Give a joint other laws than its deck does, as Mechanism.joint has them: kn
         [force/length], cr, and by free direction k, c, stops, friction (limit, stiffness); stops and
@@ -446,7 +446,7 @@ class Model(Handle, Samples):
         for name, value in (("Kn", kn), ("Cr", cr)):
             if value is not None:
                 laws[f"{number}.{name}"] = float(value)
-        for names, pairs in ((("K",), k), (("C",), c), (("SA-", "SA+"), stops),
+        for names, pairs in ((("K",), k), (("C",), c), (("SA-", "SA+", "Kfr"), stops),
                              (("FM", "Kfr"), friction)):
             for dof, given in (pairs or {}).items():
                 for name, value in zip(names, np.atleast_1d(given)):

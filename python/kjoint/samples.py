@@ -260,7 +260,7 @@ class Samples(abc.ABC):
         figure.suptitle(self.title)
         if path:
             figure.savefig(path)
-        else:
+        elif "inline" not in plt.get_backend():          # a notebook shows what the call gives
             plt.show()
         plt.close(figure)
         return figure
