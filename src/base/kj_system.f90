@@ -7,7 +7,7 @@ module kj_system
    implicit none
    private
 
-   public :: file_kind, rename_file, remove_file, sync_file, absolute_path, host_name, date_time, &
+   public :: file_kind, remove_file, sync_file, absolute_path, host_name, date_time, &
       wall_clock, thread_clock
 
    !> struct timespec
@@ -30,10 +30,6 @@ module kj_system
          integer(c_int), value :: clock
          type(c_time_t), intent(out) :: time
       end function c_clock_gettime
-      integer(c_int) function c_rename(from, to) bind(c, name='rename')
-         import :: c_int, c_char
-         character(kind=c_char), intent(in) :: from(*), to(*)
-      end function c_rename
       integer(c_int) function c_remove(path) bind(c, name='remove')
          import :: c_int, c_char
          character(kind=c_char), intent(in) :: path(*)
@@ -71,14 +67,6 @@ contains
 
       file_kind = int(c_file_kind(path//c_null_char))
    end function file_kind
-
-   !> Give a file another name; a file that has it already is replaced in the same instant
-   subroutine rename_file(from, to, done)
-      character(len=*), intent(in) :: from, to
-      logical, intent(out) :: done
-
-      done = c_rename(from//c_null_char, to//c_null_char) == 0
-   end subroutine rename_file
 
    !> Remove a file; a file that is not there is no failure
    subroutine remove_file(path)

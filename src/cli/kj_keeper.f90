@@ -3,8 +3,10 @@
 module kj_keeper
    use, intrinsic :: iso_fortran_env, only: int8
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, str, ERR_INPUT
-   use kj_system, only: wall_clock, absolute_path
+   use kj_error, only: error_t, fail, str, ERR_INPUT, ERR_FILE
+   use kj_system, only: wall_clock, absolute_path, sync_file
+   use kj_output, only: settle_output
+   use kj_text, only: text_t
    use kj_number, only: parse_real, NUMBER_FINE
    use kj_spelling, only: upper
    use kj_signal, only: caught_signal, take_wish, WISH_CHECKPOINT, WISH_STATUS
@@ -12,7 +14,7 @@ module kj_keeper
    use kj_terminal, only: print_error
    use kj_progress, only: progress_t, status_now
    use kj_restart_file, only: restart_t, write_restart
-   use kj_sink, only: sink_t
+   use kj_sink_h5, only: sink_h5_t
    use kjoint, only: simulation_t, simulation_options, simulation_checkpoints, run_status_t, &
       write_run_options
    implicit none
@@ -27,7 +29,7 @@ module kj_keeper
       type(restart_t) :: what                    !! decks, options and history of the run
       character(len=:), allocatable :: path      !! of the checkpoint
       character(len=:), allocatable :: control   !! path of the control file
-      class(sink_t), pointer :: sink => null()   !! of the run
+      class(sink_h5_t), pointer :: sink => null()      !! of the run
       logical :: at_end = .false.                !! asked for at the end of the run
       real(wp) :: every = huge(1.0_wp)           !! [s] of wall clock
       integer :: every_cycles = huge(1)
@@ -60,7 +62,8 @@ contains
       path = history(:n)//'.restart.h5'
    end function checkpoint_path
 
-   !> When to keep what. Errors: ERR_INPUT when --checkpoint-every has no number above zero
+   !> When to keep what. Errors: ERR_INPUT when --checkpoint-every has no number above zero, or
+   !> something that is no regular file stands in the place of a checkpoint that is asked for
    subroutine start_keeper(args, sim, starter, engine, history, self, error)
       type(arguments_t), intent(in) :: args
       type(simulation_t), intent(in) :: sim
@@ -68,6 +71,7 @@ contains
       class(keeper_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
 
+      character(len=:), allocatable :: place
       integer :: status, number
 
       call absolute_path(starter, self%what%starter)
@@ -80,7 +84,8 @@ contains
       if (len(engine) > 4) self%control = engine(:len(engine) - 4)//'.ctl'
       self%control = self%control(index(self%control, '/', back=.true.) + 1:)
       call simulation_checkpoints(sim, self%at_end, self%every_cycles, number)
-      if (args%given(OPT_CHECKPOINT)) self%at_end = .true.
+      if (args%given(OPT_CHECKPOINT) .or. args%given(OPT_CHECKPOINT_EVERY)) self%at_end = .true.
+      if (self%at_end) call settle_output(self%path, [text_t ::], place, error)
       self%last = wall_clock()
       self%looked = self%last
       if (.not. args%given(OPT_CHECKPOINT_EVERY)) return
@@ -138,7 +143,7 @@ contains
          case ('/KILL'); self%killed = .true.
          case ('/INFO')
          case ('/RFILE'); self%wished = .true.
-         case ('/TFILE'); if (associated(self%sink)) call self%sink%flush(error)
+         case ('/TFILE'); call self%sink%flush(error)
          case default; answer = answer//': not known: /STOP, /KILL, /INFO, /TFILE, /RFILE'
          end select
          answer = answer//new_line('a')
@@ -163,12 +168,13 @@ contains
          if (wall_clock() - self%last >= self%every) wanted = .true.
       end if
       if (.not. ended) return
-      wanted = wanted .or. self%at_end .or. self%stopped .or. self%every < huge(1.0_wp)
+      wanted = wanted .or. self%at_end .or. self%stopped
       if (caught_signal() /= 0) wanted = .true.
       wanted = wanted .and. .not. self%killed
    end subroutine wants_state
 
-   !> Write the checkpoint. One that cannot be written does not end the run: the older one stays.
+   !> Write the checkpoint, after the rows that it goes on from. One that cannot be written does not
+   !> end the run: the older one stays.
    subroutine take_state(self, state, status, error)
       class(keeper_t), intent(inout) :: self
       integer(int8), intent(in) :: state(:)
@@ -176,13 +182,21 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       type(error_t), allocatable :: problem
+      logical :: done
 
       self%wished = .false.
       self%last_cycle = status%cycle
       self%what%state = state
       self%what%time = status%time
       self%what%cycle = status%cycle
-      call write_restart(self%path, self%what, problem)
+      call self%sink%flush(error)
+      if (allocated(error)) return
+      call sync_file(self%sink%place, done)
+      if (done) then
+         call write_restart(self%path, self%what, problem)
+      else
+         call fail(problem, ERR_FILE, 'no checkpoint: its rows are not on the disk')
+      end if
       self%last = wall_clock()
       if (allocated(problem)) then
          call print_error('warning: '//problem%message)

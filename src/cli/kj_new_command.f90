@@ -1,6 +1,9 @@
 !> `kjoint new`: a commented deck to begin with, one of those in decks/, which the program holds.
 module kj_new_command
    use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
+   use kj_system, only: file_kind, KIND_NONE
+   use kj_text, only: text_t
+   use kj_output, only: write_output
    use kj_option, only: arguments_t, did_you_mean
    use kj_joint_types, only: joint_types
    use kj_shipped_deck, only: shipped_count, shipped_name, shipped_text
@@ -83,18 +86,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       character(len=:), allocatable :: shipped, text
-      integer :: i, unit, status
+      integer :: i
 
       do i = 1, shipped_count()
          call shipped_name(i, shipped)
          if (shipped /= name) cycle
+         if (file_kind(name) /= KIND_NONE) call fail(error, ERR_FILE, name//' is there already')
          call shipped_text(i, text)
-         open (newunit=unit, file=name, status='new', action='write', access='stream', &
-            iostat=status)
-         if (status == 0) write (unit, iostat=status) text
-         if (status == 0) close (unit, iostat=status)
-         if (status /= 0) call fail(error, ERR_FILE, 'cannot write '//name// &
-            ': it is there already, or the folder cannot be written to')
+         call write_output(name, text, [text_t ::], error)
       end do
    end subroutine write_deck
 

@@ -2,8 +2,9 @@
 !> a signal reaches the run.
 module kj_progress
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, str, ERR_FILE
-   use kj_output, only: settle_output
+   use, intrinsic :: iso_c_binding, only: c_size_t
+   use kj_error, only: error_t, str
+   use kj_output, only: write_output, append_output
    use kj_text, only: text_t
    use kj_words, only: right
    use kj_system, only: wall_clock
@@ -34,8 +35,10 @@ module kj_progress
       real(wp) :: started = 0.0_wp              !! wall clock [s]
       real(wp) :: shown = 0.0_wp                !! wall clock of the last line
       integer :: listed = -1                    !! cycle of the last listing line, over print_every
-      integer :: unit = -1                      !! of the file of the listing, -1 = none
-      real(wp) :: kept = 0.0_wp                 !! wall clock when that was last flushed
+      character(len=:), allocatable :: listing  !! path of its file, where one was asked for
+      character(len=:), allocatable :: lines    !! that are not in the file yet
+      type(error_t), allocatable :: problem     !! of the listing: a line could not be written
+      real(wp) :: kept = 0.0_wp                 !! wall clock when that was last written
       logical :: open = .false.                 !! a status line stands on the terminal
       logical :: warned = .false.               !! of a long run
    contains
@@ -65,16 +68,10 @@ contains
       type(text_t), intent(in) :: inputs(:)     !! paths of the files that are read
       type(error_t), allocatable, intent(inout) :: error
 
-      character(len=:), allocatable :: place
-      integer :: status
-
-      call settle_output(path, inputs, place, error)
+      call write_output(path, HEADER//new_line('a'), inputs, error)
       if (allocated(error)) return
-      open (newunit=self%unit, file=place, status='replace', action='write', iostat=status)
-      if (status == 0) write (self%unit, '(a)', iostat=status) HEADER
-      if (status == 0) return
-      self%unit = -1
-      call fail(error, ERR_FILE, 'cannot write the listing '//path)
+      self%listing = path
+      self%lines = ''
    end subroutine list_to_file
 
    !> Where a run is, in a line
@@ -86,16 +83,13 @@ contains
       text = status_line(status, wall_clock() - self%started, huge(1))
    end function status_now
 
-   !> Take the status line away
+   !> Take the status line away, end the listing
    subroutine end_progress(self)
       type(progress_t), intent(inout) :: self
 
-      integer :: ignored
-
       if (self%open) call print_status('')
       self%open = .false.
-      if (self%unit /= -1) close (self%unit, iostat=ignored)
-      self%unit = -1
+      if (allocated(self%listing)) call write_lines(self)
    end subroutine end_progress
 
    !> Report where the run is; stop it after a signal
@@ -114,11 +108,11 @@ contains
          call warn_of_length(self, status)
          self%warned = .true.
       end if
-      if (self%show == SHOW_NOTHING .and. self%unit == -1) return
+      if (self%show == SHOW_NOTHING .and. .not. allocated(self%listing)) return
       now = wall_clock()
       passed = status%cycle/max(1, status%print_every)
       every = passed /= self%listed
-      if (every .and. self%unit /= -1) call keep(self, status, now)
+      if (every .and. allocated(self%listing)) call keep(self, status, now)
       select case (self%show)
       case (SHOW_STATUS)
          if (now - self%shown >= PAUSE) then
@@ -220,13 +214,18 @@ contains
       type(run_status_t), intent(in) :: status
       real(wp), intent(in) :: now
 
-      integer :: ignored
-
-      write (self%unit, '(a)', iostat=ignored) listing_line(status)
+      self%lines = self%lines//listing_line(status)//new_line('a')
       if (now - self%kept < PAUSE) return
-      flush (self%unit)
+      call write_lines(self)
       self%kept = now
    end subroutine keep
+
+   subroutine write_lines(self)
+      class(progress_t), intent(inout) :: self
+
+      call append_output(self%listing, len(self%lines, c_size_t), self%lines, self%problem)
+      self%lines = ''
+   end subroutine write_lines
 
    !> A line in the columns of Radioss; kjoint adds no mass
    function listing_line(status) result(text)

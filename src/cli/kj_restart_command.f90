@@ -21,6 +21,7 @@ module kj_restart_command
    !> A history that begins with the rows of an older one
    type, extends(sink_h5_t) :: continued_sink_t
       character(len=:), allocatable :: older     !! its path; not allocated: a new history
+      character(len=:), allocatable :: killed    !! that of a run which was killed; it goes before
    contains
       procedure :: open => open_continued
    end type continued_sink_t
@@ -136,8 +137,8 @@ contains
       logical :: exists
 
       if (.not. args%given(OPT_NEW_FILE)) then
-         call find_part(restart%history, .false., sink%older)     ! of a run that was killed
-         if (sink%older == '') sink%older = restart%history
+         sink%older = restart%history
+         call find_part(restart%history, .false., sink%killed)
          if (.not. args%given(OPT_OUTPUT)) sink%path = restart%history
          return
       end if
@@ -163,7 +164,8 @@ contains
 
       n_row = 0
       if (allocated(self%older) .and. self%rows_before > 0) then
-         call open_older(self%older, history, self%rows_before, reader, error)
+         call open_older(self%killed, history, self%rows_before, reader, error)
+         if (allocated(error)) call open_older(self%older, history, self%rows_before, reader, error)
          if (allocated(error)) return
          n_row = self%rows_before
       end if

@@ -138,6 +138,7 @@ contains
       call end_progress(tracer%progress_t)
       call end_trace(tracer)
       outcome%elapsed = wall_clock() - started
+      if (allocated(error) .and. outcome%status%n_node == 0) return      ! it was refused
       call simulation_worst(sim, extremes, owner)
       history = simulation_history(sim)
       outcome%holder = limiter(outcome%status)
@@ -153,6 +154,9 @@ contains
       if (tracer%stopped .or. tracer%killed) outcome%verdict = 'STOPPED BY USER'
       if (allocated(error)) outcome%verdict = 'ERROR TERMINATION'
       if (tracer%saved) outcome%checkpoint = tracer%path
+      if (allocated(error) .or. .not. allocated(tracer%problem)) return
+      call move_alloc(tracer%problem, error)
+      error%message = 'cannot write the listing '//tracer%listing//': '//error%message
    end subroutine advance
 
    !> Where the rows of a run that failed are, when not where they were to go

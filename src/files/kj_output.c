@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { FINE = 0, FAILED = 1, TAKEN = 2,                /* kj_part_open */
+enum { TAKEN = 10000,                     /* kj_part_open, no number of an error */
    NOTHING = 0, REGULAR = 1, OTHER = 2,                /* kj_output_kind */
    TRIES = 20 };
 static const char tail[] = ".part";
@@ -138,7 +138,7 @@ static int open_part(const char *path, char *part, size_t n)
    return file;
 }
 
-/* The same, when nobody writes what is to become `path`. The file, or -FAILED, or -TAKEN with the file of
+/* The same, when nobody writes what is to become `path`. The file, or -errno, or -TAKEN with the file of
    the other in `part`. Who comes at the same time as another waits a moment. */
 int kj_part_open(const char *path, char *part, size_t n)
 {
@@ -152,7 +152,7 @@ int kj_part_open(const char *path, char *part, size_t n)
          return -TAKEN;
       }
       file = open_part(path, own, sizeof own < n ? sizeof own : n);
-      if (file < 0) return -FAILED;
+      if (file < 0) return errno ? -errno : -EIO;
       if (kj_find_part(path, own, 1, part, n)) {
          strcpy(part, own);
          return file;
@@ -186,41 +186,47 @@ int kj_has_name(int file)
    return fstat(file, &s) == 0 && s.st_nlink > 0;
 }
 
-/* Copy a file to an open one, and close that. 0, or the number of the error */
-int kj_copy_file(const char *path, int file)
+/* Write n bytes. 0, or the number of the error */
+static int write_all(int file, size_t n, const char *bytes)
 {
-   size_t most = 1 << 20;
-   char *block = malloc(most);
-   int from = open(path, O_RDONLY | O_CLOEXEC), reason = from < 0 || !block ? errno : 0;
-
-   while (reason == 0) {
-      ssize_t n = read(from, block, most), at = 0;
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) reason = errno;
-      if (n <= 0) break;
-      while (reason == 0 && at < n) {
-         ssize_t done = write(file, block + at, (size_t)(n - at));
-         if (done < 0 && errno != EINTR) reason = errno;
-         if (done > 0) at += done;
-      }
+   while (n > 0) {
+      ssize_t done = write(file, bytes, n);
+      if (done < 0 && errno == EINTR) continue;
+      if (done < 0) return errno;
+      bytes += done;
+      n -= (size_t)done;
    }
+   return 0;
+}
+
+/* Close files that may be open. `reason`, or the number of the error */
+static int close_all(int from, int to, int reason)
+{
    if (from >= 0) close(from);
-   if (close(file) < 0 && reason == 0) reason = errno;
-   free(block);
+   if (to >= 0 && close(to) < 0 && reason == 0) reason = errno;
    return reason;
 }
 
-/* Write a text to an open file and close it. 0, or the number of the error */
-int kj_write_text(int file, size_t n, const char *text)
+/* Copy a file over another that is there. 0, or the number of the error */
+int kj_copy_file(const char *path, const char *copy)
 {
-   int reason = 0;
+   char block[1 << 16];
+   int from = open(path, O_RDONLY | O_CLOEXEC), to = from < 0 ? -1 : open(copy, O_WRONLY | O_CLOEXEC);
+   int reason = to < 0 ? errno : 0;
+   ssize_t n = 1;
 
-   while (reason == 0 && n > 0) {
-      ssize_t done = write(file, text, n);
-      if (done < 0 && errno == EINTR) continue;
-      if (done < 0) reason = errno;
-      else text += done, n -= (size_t)done;
+   while (reason == 0 && n != 0) {
+      n = read(from, block, sizeof block);
+      if (n > 0) reason = write_all(to, (size_t)n, block);
+      if (n < 0 && errno != EINTR) reason = errno;
    }
-   if (close(file) < 0 && reason == 0) reason = errno;
-   return reason;
+   return close_all(from, to, reason);
+}
+
+/* Write n bytes to the end of a file that is there. 0, or the number of the error */
+int kj_append(const char *path, size_t n, const char *bytes)
+{
+   int file = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
+
+   return close_all(-1, file, file < 0 ? errno : write_all(file, n, bytes));
 }

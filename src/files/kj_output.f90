@@ -3,15 +3,17 @@
 module kj_output
    use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char, c_ptr, c_f_pointer
    use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
+   use kj_system, only: remove_file
    use kj_text, only: text_t
    implicit none
    private
 
-   public :: settle_output, open_part, end_part, copy_to, name_part, has_name, find_part, &
-      is_written, is_locked, write_output, why
+   public :: settle_output, begin_output, append_output, end_output, write_output, copy_to
+   public :: find_part, is_written, is_locked, why
+   public :: open_part, name_part, has_name      ! for a file that is locked while it grows
 
    integer, parameter :: OTHER = 2               !! neither nothing nor a regular file
-   integer, parameter :: TAKEN = -2              !! kj_part_open
+   integer, parameter :: TAKEN = -10000          !! kj_part_open
    integer, parameter :: MOST_PATH = 4096
 
    interface
@@ -68,28 +70,26 @@ module kj_output
          integer(c_int), value, intent(in) :: file
       end function kj_has_name
 
-      integer(c_int) function kj_copy_file(path, file) bind(c)
+      integer(c_int) function kj_copy_file(path, copy) bind(c)
          import :: c_int, c_char
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), value, intent(in) :: file
+         character(kind=c_char), intent(in) :: path(*), copy(*)
       end function kj_copy_file
 
-      integer(c_int) function kj_write_text(file, n, text) bind(c)
+      integer(c_int) function kj_append(path, n, bytes) bind(c)
          import :: c_int, c_size_t, c_char
-         integer(c_int), value, intent(in) :: file
+         character(kind=c_char), intent(in) :: path(*), bytes(*)
          integer(c_size_t), value, intent(in) :: n
-         character(kind=c_char), intent(in) :: text(*)
-      end function kj_write_text
+      end function kj_append
 
       type(c_ptr) function c_strerror(number) bind(c, name='strerror')
          import :: c_int, c_ptr
          integer(c_int), value :: number
       end function c_strerror
 
-      integer(c_int) function c_remove(path) bind(c, name='remove')
-         import :: c_int, c_char
-         character(kind=c_char), intent(in) :: path(*)
-      end function c_remove
+      integer(c_int) function c_close(file) bind(c, name='close')
+         import :: c_int
+         integer(c_int), value, intent(in) :: file
+      end function c_close
    end interface
 
 contains
@@ -141,7 +141,7 @@ contains
          call fail(error, ERR_FILE, 'another run is writing '//path//', as '//part)
          error%hint = 'wait for its end, or give this one another name by -o'
       else if (file < 0) then
-         call fail(error, ERR_FILE, 'cannot create '//path)
+         call fail(error, ERR_FILE, 'cannot create '//path//': '//trim(why(-int(file, c_int))))
       end if
    end subroutine open_part
 
@@ -162,16 +162,59 @@ contains
       if (status < 0) call fail(error, ERR_FILE, 'cannot rename '//part//' to '//path)
    end subroutine name_part
 
-   !> Copy a file to open_part's, which is closed. Errors: ERR_FILE
-   subroutine copy_to(path, file, error)
+   !> An empty file beside the place of an output, to be written and then given to end_output.
+   !> Errors: ERR_INPUT as settle_output, ERR_FILE as open_part
+   subroutine begin_output(path, inputs, place, part, error)
       character(len=*), intent(in) :: path
-      integer, intent(in) :: file                !! descriptor
+      type(text_t), intent(in) :: inputs(:)      !! paths of the files that are read
+      character(len=:), allocatable, intent(out) :: place, part
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: file
+      integer(c_int) :: ignored
+
+      call settle_output(path, inputs, place, error)
+      call open_part(place, part, file, error)
+      if (file >= 0) ignored = c_close(int(file, c_int))
+   end subroutine begin_output
+
+   !> Write bytes to the end of a file of begin_output. Errors: ERR_FILE
+   subroutine append_output(part, n, bytes, error)
+      character(len=*), intent(in) :: part
+      integer(c_size_t), intent(in) :: n
+      character(kind=c_char), intent(in) :: bytes(*)
       type(error_t), allocatable, intent(inout) :: error
 
       integer(c_int) :: reason
 
       if (allocated(error)) return
-      reason = kj_copy_file(path//c_null_char, int(file, c_int))
+      reason = kj_append(part//c_null_char, n, bytes)
+      if (reason /= 0) call fail(error, ERR_FILE, trim(why(reason)))
+   end subroutine append_output
+
+   !> Give a file that is whole its name; remove it where an error came before, which gets the name
+   !> of the output. Errors: ERR_FILE
+   subroutine end_output(part, place, error)
+      character(len=*), intent(in) :: part, place
+      type(error_t), allocatable, intent(inout) :: error
+
+      logical :: named
+
+      if (part == '') return                     ! it was not begun
+      if (allocated(error)) error%message = 'cannot write '//place//': '//error%message
+      call name_part(part, place, .true., named, error)
+      if (.not. named) call remove_file(part)
+   end subroutine end_output
+
+   !> Copy a file over another. Errors: ERR_FILE
+   subroutine copy_to(path, copy, error)
+      character(len=*), intent(in) :: path, copy
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(c_int) :: reason
+
+      if (allocated(error)) return
+      reason = kj_copy_file(path//c_null_char, copy//c_null_char)
       if (reason /= 0) call fail(error, ERR_FILE, 'cannot copy '//path//': '//trim(why(reason)))
    end subroutine copy_to
 
@@ -219,29 +262,11 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       character(len=:), allocatable :: place, part
-      integer :: file
 
-      call settle_output(path, inputs, place, error)
-      call open_part(place, part, file, error)
-      if (.not. allocated(error)) call end_part(part, file, text, place, error)
+      call begin_output(path, inputs, place, part, error)
+      call append_output(part, len(text, c_size_t), text, error)
+      call end_output(part, place, error)
    end subroutine write_output
-
-   !> Write the last text to a file that is open_part's, close it and give it its name; where
-   !> something failed, now or before, it goes. Errors: ERR_FILE
-   subroutine end_part(part, file, text, place, error)
-      character(len=*), intent(in) :: part, text, place
-      integer, intent(in) :: file                !! descriptor
-      type(error_t), allocatable, intent(inout) :: error
-
-      logical :: named
-      integer(c_int) :: reason, ignored
-
-      reason = kj_write_text(int(file, c_int), len(text, c_size_t), text)
-      if (reason /= 0 .and. .not. allocated(error)) &
-         call fail(error, ERR_FILE, 'cannot write '//place//': '//trim(why(reason)))
-      call name_part(part, place, .true., named, error)
-      if (.not. named) ignored = c_remove(part//c_null_char)
-   end subroutine end_part
 
    !> What the system calls an error
    function why(number) result(text)

@@ -8,7 +8,7 @@ module kj_recover
    use kj_channels, only: AS_I32, AS_I64, CH_CYCLE
    use kj_history, only: history_t
    use kj_system, only: remove_file
-   use kj_output, only: settle_output, open_part, copy_to, name_part, find_part, is_written
+   use kj_output, only: begin_output, end_output, copy_to, find_part, is_written
    use kj_h5, only: hid_t, start_hdf5, open_file, close_file, close_object, put_text, put_number
    use kj_h5_read, only: open_object
    use kj_h5_store, only: clear_marks
@@ -33,8 +33,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       character(len=:), allocatable :: source, part, place
-      integer :: file
-      logical :: exists, marked, changed, named
+      logical :: exists, marked, changed
 
       told = ''
       source = path
@@ -45,22 +44,24 @@ contains
          call fail(error, ERR_FILE, 'a run is writing '//source)
          return
       end if
-      call settle_output(path, [text_t ::], place, error)
-      call open_part(place, part, file, error)
+      call begin_output(path, [text_t ::], place, part, error)
       if (allocated(error)) return
-      call copy_to(source, file, error)
+      call copy_to(source, part, error)
       call clear_marks(part, marked, error)
       changed = marked .or. source /= path
       if (source /= path) call say('it was found as '//source, told)
       if (marked) call say('marked as open: mark taken away', told)
       if (.not. allocated(error)) call mend(part, changed, told, error)
-      if (changed .and. .not. allocated(error)) then
-         call name_part(part, place, .true., named, error)
-         if (named .and. source /= path) call remove_file(source)
+      if (allocated(error)) then
+         error%file = source
+         call remove_file(part)
+      else if (changed) then
+         call end_output(part, place, error)
+         if (source /= path .and. .not. allocated(error)) call remove_file(source)
+      else
+         call remove_file(part)
+         told = path//' is sound'//new_line('a')
       end if
-      if (.not. changed .or. allocated(error)) call remove_file(part)
-      if (allocated(error)) error%file = source
-      if (.not. changed .and. .not. allocated(error)) told = path//' is sound'//new_line('a')
    end subroutine recover_history
 
    !> Equal lengths and an outcome

@@ -5,9 +5,11 @@ module kj_restart_file
    use, intrinsic :: iso_fortran_env, only: int8
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_FILE
-   use kj_system, only: rename_file, remove_file, sync_file
+   use kj_system, only: sync_file
+   use kj_text, only: text_t
    use kj_version, only: KJOINT_VERSION
    use kj_channels, only: AS_F64, AS_I64
+   use kj_output, only: begin_output, end_output
    use kj_h5, only: hid_t, start_hdf5, create_file, open_file, close_file, put_text, put_number
    use kj_h5_write, only: write_bytes
    use kj_h5_read, only: read_bytes, get_text, get_numbers
@@ -26,8 +28,6 @@ module kj_restart_file
       integer(int8), allocatable :: state(:)             !! as restore_simulation takes it
    end type restart_t
 
-   character(len=*), parameter :: GROWING = '.new'
-
 contains
 
    !> Write a checkpoint; an older one of this name stays until the new one is whole.
@@ -38,11 +38,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       type(error_t), allocatable :: closing
+      character(len=:), allocatable :: place, part
       integer(hid_t) :: file
       logical :: done
 
+      call begin_output(path, [text_t ::], place, part, error)
+      if (allocated(error)) return
       call start_hdf5(error)
-      call create_file(path//GROWING, file, error)
+      call create_file(part, file, error)
       call put_text(file, 'title', 'state of a kjoint run, to go on from', error)
       call put_text(file, 'source', 'kjoint '//KJOINT_VERSION, error)
       call put_text(file, 'starter', restart%starter, error)
@@ -54,13 +57,9 @@ contains
       call write_bytes(file, 'state', restart%state, error)
       call close_file(file, closing)
       if (allocated(closing) .and. .not. allocated(error)) call move_alloc(closing, error)
-      done = .not. allocated(error)
-      if (done) call sync_file(path//GROWING, done)
-      if (done) call rename_file(path//GROWING, path, done)
-      if (done) return
-      call remove_file(path//GROWING)
-      if (allocated(error)) deallocate (error)
-      call fail(error, ERR_FILE, 'cannot write the checkpoint '//path)
+      call sync_file(part, done)
+      if (.not. (done .or. allocated(error))) call fail(error, ERR_FILE, 'it is not on the disk')
+      call end_output(part, place, error)
    end subroutine write_restart
 
    !> Read a checkpoint. Errors: ERR_FILE

@@ -4,20 +4,20 @@
 !>
 !> Forces of bodies are impulses there, energies of springs stand in the globals twice, the last
 !> state between samples has no row.
-!> One file: columns, records and titles of one format.
 module kj_write_t01
-   use, intrinsic :: iso_fortran_env, only: int8, int32, real32, real64
+   use, intrinsic :: iso_c_binding, only: c_char, c_size_t
+   use, intrinsic :: iso_fortran_env, only: int32, real32, real64
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, ERR_FILE
+   use kj_error, only: error_t
    use kj_version, only: KJOINT_VERSION
    use kj_channels, only: channels, groups, find_channel, find_t01, OF_RUN, OF_JOINT, OF_BODY, &
       OF_NODE, OF_SPRING, CH_FINAL, CH_IE
    use kj_history, only: history_t, n_entity
+   use kj_output, only: settle_output, begin_output, append_output, end_output, write_output
    use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
    use kj_t01, only: t01_name
    use kj_text, only: text_t
-   use kj_output, only: settle_output, open_part, end_part
    implicit none
    private
 
@@ -28,6 +28,8 @@ module kj_write_t01
    integer, parameter :: N_GLOBAL = 22
    integer, parameter :: C_OFF = 1, C_SIE = 10, C_MASS = 34   !! codes that are no channels
    integer, parameter :: SPRING_TYPE = 6
+   integer, parameter :: NONE(0) = 0
+   character(kind=c_char), parameter :: BYTE(1) = 'a'        !! what transfer makes
    integer, parameter :: BLOCK = 2**18           !! reals of a history in memory at a time
 
    !> Where a column comes from when it is no place in a row
@@ -41,23 +43,21 @@ module kj_write_t01
       integer, allocatable :: place(:, :)        !! (codes, entities) in a row, or IS_
    end type request_t
 
-   !> A file being written, beside the one that it is to become
+   !> A file being written
    type :: writer_t
-      character(len=:), allocatable :: place, part
-      integer :: descriptor = -1
-      integer :: unit = -1, status = 0
+      character(len=:), allocatable :: place, part   !! what it is to become, and is
       integer :: word = 8                        !! bytes of a real, and of 4 characters of a title
       logical :: swap = .false.                  !! byte order is not that of this machine
-      character(len=200) :: why = ''
+      integer(c_size_t) :: n = 0                 !! bytes that are not in the file yet
+      character(kind=c_char), allocatable :: bytes(:)
    end type writer_t
 
 contains
 
-   !> Write the rows of a history, and beside them PATH_TITLES with the names of the variables; each
-   !> file takes its name when it is whole.
+   !> Write the rows of a history, and beside them PATH_TITLES with the names of the variables.
    !>
-   !> Errors: ERR_FILE when the history cannot be read or the T01 not be written, ERR_INPUT when it
-   !> would replace the history or no regular file.
+   !> Errors: ERR_FILE when the history cannot be read or the T01 not be written; ERR_INPUT when one
+   !> would stand in the place of an input, or of something that is no regular file
    subroutine write_t01(history_path, path, type, error)
       character(len=*), intent(in) :: history_path, path
       integer, intent(in) :: type                !! /TFILE type 1 or 4; 0: as precise as the history
@@ -68,11 +68,9 @@ contains
       type(history_t) :: history
       type(request_t), allocatable :: request(:)
       type(writer_t) :: file
-      type(text_t) :: inputs(1)
       real(wp), allocatable :: rows(:, :)
       integer :: global(N_GLOBAL), n_row, first, n, i, final_at
 
-      inputs(1)%s = history_path
       call open_history_file(history_path, reader, history, n_row, error)
       if (allocated(error)) return
       allocate (rows(history%n_value, max(1, min(n_row, BLOCK/history%n_value))))
@@ -80,13 +78,14 @@ contains
       if (n_row > 0) call read_rows(reader, 1, 1, rows, error)
       if (.not. allocated(error)) then
          call find_columns(history, rows(:, 1), global, request)
-         call open_file(path, inputs, .true., file, error)
-         file%word = merge(4, 8, type == AS_SINGLE .or. (type /= AS_DOUBLE .and. &
-            history%single_precision))
-         ! 4-byte files are those of a big-endian machine
-         file%swap = file%word == 4 .and. iachar(transfer(1_int32, 'a')) == 1
+         call settle_output(path//'_TITLES', [text_t(history_path)], file%place, error)
+         call begin_output(path, [text_t(history_path)], file%place, file%part, error)
       end if
       if (.not. allocated(error)) then
+         file%word = merge(4, 8, type == AS_SINGLE .or. (type /= AS_DOUBLE .and. &
+            history%single_precision))
+         file%swap = file%word == 4 .and. iachar(transfer(1_int32, 'a')) == 1   ! little-endian
+         allocate (file%bytes(4096))
          call put_header(file, history, request)
          final_at = place_of(history, CH_FINAL)
          do first = 1, n_row, size(rows, 2)
@@ -94,14 +93,15 @@ contains
             call read_rows(reader, first, n, rows, error)
             if (allocated(error)) exit
             do i = 1, n
-               if (final_at > 0) then
-                  if (rows(final_at, i) > 0.5_wp) cycle
-               end if
+               if (any(rows(max(1, final_at):final_at, i) > 0.5_wp)) cycle
                call put_row(file, history, global, request, rows(:, i))
             end do
+            call append_output(file%part, file%n, file%bytes, error)
+            file%n = 0                           ! of the head, too
          end do
-         call end_file(path, file, error)
-         if (.not. allocated(error)) call write_titles(path//'_TITLES', inputs, request, error)
+         call append_output(file%part, file%n, file%bytes, error)
+         call end_output(file%part, file%place, error)
+         call write_titles(path//'_TITLES', history_path, request, error)
       end if
       call close_history_file(reader, closing)
    end subroutine write_t01
@@ -211,50 +211,11 @@ contains
 
    ! ---- records
 
-   !> Begin a file that is to become `path`. Errors: as settle_output, ERR_FILE
-   subroutine open_file(path, inputs, binary, file, error)
-      character(len=*), intent(in) :: path
-      type(text_t), intent(in) :: inputs(:)
-      logical, intent(in) :: binary              !! else lines
-      type(writer_t), intent(out) :: file
-      type(error_t), allocatable, intent(inout) :: error
-
-      call settle_output(path, inputs, file%place, error)
-      call open_part(file%place, file%part, file%descriptor, error)
-      if (allocated(error)) return
-      if (binary) then
-         open (newunit=file%unit, file=file%part, access='stream', form='unformatted', &
-            status='old', action='write', iostat=file%status, iomsg=file%why)
-      else
-         open (newunit=file%unit, file=file%part, status='old', action='write', &
-            iostat=file%status, iomsg=file%why)
-      end if
-   end subroutine open_file
-
-   !> End a file: it takes its name, or goes where something failed. Errors: ERR_FILE
-   subroutine end_file(path, file, error)
-      character(len=*), intent(in) :: path
-      type(writer_t), intent(inout) :: file
-      type(error_t), allocatable, intent(inout) :: error
-
-      integer :: ignored
-
-      if (file%status == 0) then
-         close (file%unit, iostat=file%status, iomsg=file%why)
-      else
-         close (file%unit, iostat=ignored)
-      end if
-      if (file%status /= 0 .and. .not. allocated(error)) &
-         call fail(error, ERR_FILE, 'cannot write '//path//': '//trim(file%why))
-      if (allocated(file%part)) call end_part(file%part, file%descriptor, '', file%place, error)
-   end subroutine end_file
-
    subroutine put_header(file, history, request)
       type(writer_t), intent(inout) :: file
       type(history_t), intent(in) :: history
       type(request_t), intent(in) :: request(:)
 
-      integer, parameter :: NONE(0) = 0
       character(len=N_HEAD) :: origin
       character(len=10) :: title
       integer :: i, k, type
@@ -286,14 +247,11 @@ contains
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner, e
 
-      integer, parameter :: NONE(0) = 0
-
       associate (entity => history%entity(owner))
-         if (allocated(entity%label)) then
+         if (allocated(entity%label)) &
             call put_mixed(file, [entity%id(e)], entity%label(e)%s, N_TITLE, NONE)
-         else
+         if (.not. allocated(entity%label)) &
             call put_mixed(file, [entity%id(e)], '', N_TITLE, NONE)
-         end if
       end associate
    end subroutine put_object
 
@@ -309,8 +267,7 @@ contains
       integer :: i, k, c, n
 
       call put_reals(file, row(:1))
-      allocate (values(N_GLOBAL), source=0.0_wp)
-      where (global /= IS_ZERO) values = row(max(1, global))
+      values = merge(row(max(1, global)), 0.0_wp, global /= IS_ZERO)
       call put_reals(file, values)
       do i = 1, size(request)
          deallocate (values)
@@ -342,14 +299,12 @@ contains
       character(len=n) :: padded
       integer :: length, i
 
-      if (file%status /= 0) return
       length = 4*(size(lead) + size(trail)) + n/4*file%word
       if (length == 0) return
       padded = text
       call put_ints(file, [length, lead])
       do i = 1, n, 4
-         write (file%unit, iostat=file%status, iomsg=file%why) padded(i:i + 3)// &
-            repeat(' ', file%word - 4)
+         call put_bytes(file, transfer(padded(i:i + 3)//repeat(' ', file%word - 4), BYTE))
       end do
       call put_ints(file, [trail, length])
    end subroutine put_mixed
@@ -358,76 +313,88 @@ contains
       type(writer_t), intent(inout) :: file
       integer, intent(in) :: ints(:)
 
-      integer(int8) :: bytes(4, size(ints))
-
-      if (file%status /= 0) return
-      bytes = reshape(transfer(int(ints, int32), bytes), shape(bytes))
-      if (file%swap) bytes = bytes(4:1:-1, :)
-      write (file%unit, iostat=file%status, iomsg=file%why) bytes
+      call put_words(file, 4, transfer(int(ints, int32), BYTE))
    end subroutine put_ints
+
+   !> Words of n bytes each, in the byte order of the file
+   subroutine put_words(file, n, bytes)
+      type(writer_t), intent(inout) :: file
+      integer, intent(in) :: n
+      character(kind=c_char), intent(in) :: bytes(:)
+
+      integer :: i
+
+      if (.not. file%swap) call put_bytes(file, bytes)
+      if (file%swap) call put_bytes(file, [(bytes(i + n - 1:i:-1), i=1, size(bytes), n)])
+   end subroutine put_words
+
+   subroutine put_bytes(file, bytes)
+      type(writer_t), intent(inout) :: file
+      character(kind=c_char), intent(in) :: bytes(:)
+
+      character(kind=c_char), allocatable :: more(:)
+
+      if (file%n + size(bytes) > size(file%bytes)) then
+         allocate (more(2*(file%n + size(bytes))))
+         more(:file%n) = file%bytes(:file%n)
+         call move_alloc(more, file%bytes)
+      end if
+      file%bytes(file%n + 1:file%n + size(bytes)) = bytes
+      file%n = file%n + size(bytes)
+   end subroutine put_bytes
 
    !> A record of reals
    subroutine put_reals(file, values)
       type(writer_t), intent(inout) :: file
       real(wp), intent(in) :: values(:)
 
-      integer(int8) :: bytes(file%word, size(values))
-
-      if (file%status /= 0 .or. size(values) == 0) return
-      if (file%word == 4) then
-         bytes = reshape(transfer(real(values, real32), bytes), shape(bytes))
-      else
-         bytes = reshape(transfer(real(values, real64), bytes), shape(bytes))
-      end if
-      if (file%swap) bytes = bytes(file%word:1:-1, :)
-      call put_ints(file, [size(bytes)])
-      if (file%status == 0) write (file%unit, iostat=file%status, iomsg=file%why) bytes
-      call put_ints(file, [size(bytes)])
+      if (size(values) == 0) return
+      call put_ints(file, [file%word*size(values)])
+      if (file%word == 4) call put_words(file, 4, transfer(real(values, real32), BYTE))
+      if (file%word == 8) call put_words(file, 8, transfer(real(values, real64), BYTE))
+      call put_ints(file, [file%word*size(values)])
    end subroutine put_reals
 
    pure integer function type_of(owner) result(type)
       integer, intent(in) :: owner
 
-      type = groups(owner)%t01_type
-      if (owner == OF_SPRING) type = SPRING_TYPE
+      type = merge(SPRING_TYPE, groups(owner)%t01_type, owner == OF_SPRING)
    end function type_of
 
-   !> The names of the variables as /TH/TITLE has them: type code and name, a line each, in the
-   !> order
-   !> of a row; the type of the globals is 0
-   subroutine write_titles(path, inputs, request, error)
-      character(len=*), intent(in) :: path
-      type(text_t), intent(in) :: inputs(:)
+   !> Write the names of the variables as /TH/TITLE has them: type code and name, a line each, in
+   !> the order of a row; the type of the globals is 0. Errors: as write_output
+   subroutine write_titles(path, history_path, request, error)
+      character(len=*), intent(in) :: path, history_path
       type(request_t), intent(in) :: request(:)
       type(error_t), allocatable, intent(inout) :: error
 
       integer, parameter :: OF_GLOBALS = -1
-      type(writer_t) :: file
-      character(len=:), allocatable :: name
+      character(len=:), allocatable :: text, name
       integer :: i, k
 
-      call open_file(path, inputs, .false., file, error)
-      if (allocated(error)) return
+      text = ''
       do k = 1, N_GLOBAL
-         call put_title(0, t01_name(OF_GLOBALS, k))
+         call add(0, t01_name(OF_GLOBALS, k))
       end do
       do i = 1, size(request)
          do k = 1, size(request(i)%code)
             name = t01_name(type_of(request(i)%owner), request(i)%code(k))
-            call put_title(type_of(request(i)%owner), name(index(name, '/') + 1:))
+            call add(type_of(request(i)%owner), name(index(name, '/') + 1:))
          end do
       end do
-      call end_file(path, file, error)
+      call write_output(path, text, [text_t(history_path)], error)
 
    contains
 
-      subroutine put_title(type, name)
-         integer, intent(in) :: type
-         character(len=*), intent(in) :: name
+      subroutine add(code, title)
+         integer, intent(in) :: code
+         character(len=*), intent(in) :: title
 
-         if (file%status == 0) write (file%unit, '(i10,/,a)', iostat=file%status, &
-            iomsg=file%why) type, name
-      end subroutine put_title
+         character(len=10) :: number
+
+         write (number, '(i10)') code
+         text = text//number//new_line('a')//title//new_line('a')
+      end subroutine add
    end subroutine write_titles
 
 end module kj_write_t01

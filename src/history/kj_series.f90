@@ -361,9 +361,9 @@ contains
       nearest = ''
       least = len(pattern%path)/3 + 2
       do v = 1, size(history%variable)
+         if (history%variable(v)%channel == CH_TIME) cycle      ! it comes along with all
          path = channel_path(history%variable(v)%channel)
-         if (found == 0 .and. matches(path, pattern%path) .and. &
-            history%variable(v)%channel /= CH_TIME) found = v
+         if (found == 0 .and. matches(path, pattern%path)) found = v
          d = edit_distance(path, pattern%path)
          if (d >= least) cycle
          least = d

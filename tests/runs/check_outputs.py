@@ -77,7 +77,11 @@ class Outputs(Commands):
             self.do("run", "s_0000.rad", "-o", name, code=INPUT)
             self.do("convert", "a.T01", "-o", name, code=INPUT)
             self.do("diff", "a.T01", "a.T01", "--junit", name, code=INPUT)
-        self.assertEqual(len(list(self.folder.iterdir())), 7)
+            self.do("export", "a.T01", "--to", "t01", "-o", name, code=INPUT)
+        os.mkfifo(self.folder / "p.restart.h5")
+        self.do("run", "s_0000.rad", "--checkpoint", "-o", "p.h5", code=INPUT)
+        self.assertEqual(len(list(self.folder.iterdir())), 8)
+        self.assertTrue((self.folder / "p.restart.h5").is_fifo())
         os.symlink("real.h5", self.folder / "link.h5")
         (self.folder / "real.h5").touch()
         self.do("convert", "a.T01", "-o", "link.h5")
@@ -141,6 +145,18 @@ class Outputs(Commands):
         run.kill()
         run.wait()
         self.assertIn("a run that did not end left x.h5.", self.do("info", "x.h5", code=FILE))
+
+    def test_older_files_stay_when_new_ones_find_no_room(self):
+        """T01 and checkpoint: written beside, whole or not at all; what is left of the new one is nothing"""
+        self.do("export", "a.T01", "-o", "oldT01")
+        self.do("run", "s_0000.rad", "-q", "--until", "0.001", "--checkpoint", "-o", "x.h5")
+        before = {path: path.read_bytes() for path in self.folder.iterdir() if path.name != "x.h5"}
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3000, resource.RLIM_INFINITY))
+        self.assertIn("cannot write oldT01: ", self.do("export", "a.T01", "-o", "oldT01", code=FILE, preexec_fn=limit))
+        self.assertIn("cannot write knee_0000.rad: ", self.do("new", "knee", code=FILE, preexec_fn=limit))
+        self.assertEqual(before, {path: path.read_bytes() for path in self.folder.iterdir() if path.name != "x.h5"})
 
     def test_limit_of_the_size_of_files(self):
         """Too small for a beginning: no file; else the rows before it"""
