@@ -1,6 +1,7 @@
 !> What `check_simulation` tells of a scene before it runs.
 module kj_check
    use kj_kinds, only: wp
+   use kj_error, only: finding_list_t
    use kj_text, only: text_t
    implicit none
    private
@@ -39,6 +40,7 @@ module kj_check
       real(wp) :: seconds = 0.0_wp                !! that it takes by the pace of its first cycles
       real(wp) :: samples = 0.0_wp                !! that it writes, each of `values` numbers
       integer :: values = 0
+      type(finding_list_t) :: warnings            !! of a run that would end at once
       real(wp), allocatable :: island_step(:)     !! safe steps of islands; huge: none
       ! joints in deck order, then springs in deck order
       integer, allocatable :: joint(:), property(:)   !! (n_joint)

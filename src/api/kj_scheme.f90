@@ -19,8 +19,8 @@ module kj_scheme
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_step, only: place_node
-   use kj_consistent_march, only: march_t, start_march, march, check_state, SPLIT2, LIEMID, RKMK4, &
-      COMPLIANT
+   use kj_consistent_march, only: march_t, start_march, march, is_too_short, check_state, SPLIT2, &
+      LIEMID, RKMK4, COMPLIANT
    use kj_consistent_compliant_build, only: make_implicit
    use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
    use kj_consistent_snapshot, only: show_consistent, show_consistent_clock
@@ -219,12 +219,22 @@ contains
 
       associate (t => self%now%time, t_stop => model%control%t_stop)
          if (self%legacy) then
-            is_over = t + self%cycles%h2 > t_stop .or. self%cycles%ended
+            is_over = t + self%cycles%h2 > t_stop
          else
             is_over = .not. t < t_stop
          end if
       end associate
+      is_over = is_over .or. is_cut_short(model, self)
    end function is_over
+
+   !> Whether /DT/NODA/STOP ends a run; where islands march, or compliant, at a sample
+   pure logical function is_cut_short(model, self)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+
+      is_cut_short = self%cycles%ended .or. (is_too_short(model, self%march) .and. (self%due .or. &
+         .not. (self%apart .or. self%integrator == COMPLIANT)))
+   end function is_cut_short
 
    !> The time that a run marches to: of the next sample, or its end where that is as good as there
    pure real(wp) function target_time(model, self) result(t)
@@ -491,6 +501,8 @@ contains
 
       character(len=8) :: buffer
 
+      if (is_cut_short(model, self)) call note(findings, SEV_WARNING, 'KJ-9303', &
+         'the time step fell below the least of /DT/NODA/STOP: the run ends before its time')
       if (self%legacy) then
          call warn_costs(model, self%cycles, findings)
          return

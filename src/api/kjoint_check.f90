@@ -1,5 +1,5 @@
 !> Bodies of the public module: what a scene is like before it runs.
-submodule (kjoint) kjoint_check
+submodule (kjoint:kjoint_run) kjoint_check
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: blocking_stiffness, joint_batch_t, LAW_SPRING_CURVE, &
       LAW_DAMPER_CURVE, has_friction
@@ -7,7 +7,7 @@ submodule (kjoint) kjoint_check
    use kj_model, only: model_t
    use kj_consistent_state, only: consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
-   use kj_scheme, only: critical_factor, scheme_t, start_scheme, go_on, is_over
+   use kj_scheme, only: critical_factor, scheme_t, start_scheme, go_on, is_over, warn_after
    use kj_forecast, only: refuse_years
    use kj_system, only: wall_clock
    use kj_consistent_safe_step, only: bound_t, new_bound
@@ -37,7 +37,8 @@ contains
       call try_run(sim, report, error)
    end procedure check_simulation
 
-   !> Begin to run a copy: how long the whole run takes, and what ends it at once
+   !> Begin to run a copy, from the start or a restored state: how long the whole run takes, and what
+   !> ends it at once
    subroutine try_run(sim, report, error)
       type(simulation_t), intent(in) :: sim
       type(check_t), intent(inout) :: report
@@ -48,24 +49,33 @@ contains
       type(error_t), allocatable :: late         ! not told: it depends on the clock
       real(wp) :: clock
 
+      integer :: first
+
+      call refuse_begin(sim, error)
+      if (allocated(error)) return
       model = sim%model
       scheme = sim%scheme
-      call start_scheme(model, scheme, error)
+      if (.not. sim%restored) call start_scheme(model, scheme, error)
       if (allocated(error)) return
+      first = scheme%now%cycle
       call refuse_years(model%model_t, scheme, .false., report%cycles, error)
-      if (allocated(error) .or. is_over(model%model_t, scheme)) return
+      if (allocated(error)) return
+      if (is_over(model%model_t, scheme)) then
+         call warn_after(model%model_t, scheme, report%warnings)
+         return
+      end if
       report%values = sim%history%n_value
       clock = wall_clock()
       call go_on(model, scheme, error)           ! as many cycles on any machine
       if (allocated(error)) return
       call refuse_years(model%model_t, scheme, .false., report%cycles, late)
-      report%cycles = report%cycles + real(scheme%now%cycle, wp)
+      report%cycles = report%cycles + real(scheme%now%cycle - first, wp)
       do
          if (allocated(late) .or. is_over(model%model_t, scheme)) exit
          if (wall_clock() - clock > TRY) exit
          call go_on(model, scheme, late)
       end do
-      report%seconds = (wall_clock() - clock)/real(max(1, scheme%now%cycle), wp)*report%cycles
+      report%seconds = (wall_clock() - clock)/real(max(1, scheme%now%cycle - first), wp)*report%cycles
       report%samples = report%cycles
       if (model%control%sample > 0.0_wp) report%samples = min(report%cycles, 1.0_wp + &
          model%control%t_stop/model%control%sample)

@@ -19,11 +19,7 @@ contains
 
    module procedure run_simulation
       call check_loaded(sim, error)
-      if (.not. (allocated(error) .or. sim%restored)) call refuse_later_run(sim, error)
-      if (sim%restored .and. .not. allocated(error)) then
-         if (is_over(sim%model%model_t, sim%scheme)) call fail(error, ERR_INPUT, &
-            'the saved state is at the end of the run already: ask for a later end')
-      end if
+      if (.not. allocated(error)) call refuse_begin(sim, error)
       if (allocated(error)) return
       sim%started = .false.
       sim%extremes = extremes_t()
@@ -76,6 +72,19 @@ contains
       if (allocated(sim%row)) deallocate (sim%row)
       status%wall_output = status%wall_output + wall_clock() - clock
    end subroutine run_open
+
+   !> Errors: ERR_INPUT when a run can neither start nor go on from the state that was restored
+   subroutine refuse_begin(sim, error)
+      type(simulation_t), intent(in) :: sim
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. sim%restored) then
+         call refuse_later_run(sim, error)
+      else if (is_over(sim%model%model_t, sim%scheme)) then
+         call fail(error, ERR_INPUT, &
+            'the saved state is at the end of the run already: ask for a later end')
+      end if
+   end subroutine refuse_begin
 
    !> Errors: ERR_INPUT when the engine deck says that it goes on from a run before
    subroutine refuse_later_run(sim, error)

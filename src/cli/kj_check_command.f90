@@ -9,6 +9,8 @@ module kj_check_command
    use kj_words, only: buffer_t, add, counted, escaped
    use kj_json_writer, only: json_member
    use kj_check_report, only: print_report, print_json
+   use kj_restart_file, only: restart_t
+   use kj_restart_command, only: find_restart, restart_from
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
    use kjoint, only: simulation_t, run_options_t, check_t, load_simulation, check_simulation
    implicit none
@@ -92,8 +94,8 @@ contains
    end function starts_deck
 
    !> Check one deck, and say what comes of it
-   subroutine check_deck(args, cases, code, n_failed)
-      type(arguments_t), intent(in) :: args          !! with this deck alone
+   subroutine check_deck(given, cases, code, n_failed)
+      type(arguments_t), intent(in) :: given         !! with this deck alone
       type(buffer_t), intent(inout) :: cases         !! of JUnit
       integer, intent(inout) :: code                 !! exit code, raised by that of this deck
       integer, intent(inout) :: n_failed             !! decks with another exit code than 0
@@ -103,32 +105,42 @@ contains
       type(check_t) :: report
       type(finding_list_t) :: findings
       type(error_t), allocatable :: error, no_end
+      type(arguments_t) :: args
+      type(restart_t) :: restart
       character(len=:), allocatable :: engine
-      integer :: own
-      logical :: well
+      integer :: own, i
+      logical :: well, goes_on
 
-      call take_run_options(args, options, error)
+      args = given
+      call find_restart(args, options, restart, goes_on, error)
+      if (.not. allocated(error)) call take_run_options(args, options, error)
       if (.not. allocated(error)) then
          call find_engine(args, options, engine, no_end)
          if (allocated(no_end)) options%until = 1.0_wp     ! to see what else is wrong
          call load_simulation(sim, args%operand(1)%s, engine, options, findings, error)
       end if
       if (.not. allocated(error) .and. allocated(no_end)) call move_alloc(no_end, error)
+      if (goes_on .and. .not. allocated(error) .and. findings%n_error == 0) &
+         call restart_from(restart, sim, error)
       well = .not. allocated(error) .and. findings%n_error == 0
       if (well) call check_simulation(sim, report, error)
+      do i = 1, report%warnings%n
+         call add_finding(findings, report%warnings%item(i))
+      end do
       own = exit_code(findings, error)
       if (own == 0 .and. args%given(OPT_WERROR) .and. findings%n_warning > 0) own = ERR_INPUT
       code = max(code, own)
       if (own /= 0) n_failed = n_failed + 1
-      if (args%given(OPT_JSON)) then
-         if (allocated(error)) call add_finding(findings, error)
-         call print_json(args%operand(1)%s, sim, report, well, own, findings)
-      else
+      if (.not. args%given(OPT_JSON)) then
          call print_findings(findings, may_colour(STDERR), args%given(OPT_VERBOSE), &
             args%given(OPT_QUIET))
          if (allocated(error)) call print_failure(error, may_colour(STDERR))
-         if (well .and. .not. args%given(OPT_QUIET)) call print_report(sim, report, findings)
-         if (allocated(error)) call add_finding(findings, error)
+      end if
+      if (allocated(error)) call add_finding(findings, error)
+      if (args%given(OPT_JSON)) then
+         call print_json(args%operand(1)%s, sim, report, well, own, findings)
+      else if (well .and. .not. args%given(OPT_QUIET)) then
+         call print_report(sim, report, findings)
       end if
       call add_case(args%operand(1)%s, findings, own /= 0, cases)
    end subroutine check_deck

@@ -248,6 +248,9 @@ module kj_message_joint
       'directions are springs of stiffness Kn.', &
       'Raise Kn; the gap is force over Kn, the step falls with its root. `kjoint study` '// &
       'tries it.'), &
+   message_t('KJ-9303', SEV_WARNING, 'a run that its time step ended', &
+      '/DT/NODA/STOP ends a run whose step falls below the least that it names.', &
+      'Lower that, or the stiffness of the joint that holds the step.'), &
    message_t('KJ-9301', SEV_WARNING, 'a joint loses its right angles', &
       'The axes of a joint come from nodes or bodies that are meant to be rigid. They strain '// &
       'or turn against each other, and the directions of the joint lose their right angles.', &

@@ -266,6 +266,7 @@ contains
       state%cycle = maxval(part%state%cycle)
       state%h = part(p)%state%h
       march%limit = part(p)%march%limit
+      march%starting = part(p)%march%starting
       march%joint = 0
       if (part(p)%march%joint > 0) march%joint = part(p)%cut%element(part(p)%march%joint)
    end subroutine gather_clock

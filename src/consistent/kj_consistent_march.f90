@@ -8,6 +8,7 @@ module kj_consistent_march
    use kj_skew, only: axis_of
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE, LAW_HARDENED, joint_batch_t
    use kj_joint_types, only: CHART_VECTOR
+   use kj_model, only: model_t, STOP_BELOW
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_block, only: BLOCK, block_of, lane_of
    use kj_consistent_chart, only: quaternion_frame
@@ -23,7 +24,8 @@ module kj_consistent_march
    implicit none
    private
 
-   public :: march_t, start_march, march, change_limits, balance_ledger, close_ledger, check_state
+   public :: march_t, start_march, march, is_too_short, change_limits, balance_ledger, &
+      close_ledger, check_state
 
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3, &
       COMPLIANT = 4                               !! integrators
@@ -124,8 +126,18 @@ contains
       if (.not. self%nodal) self%joint = self%bound%joint
    end subroutine take_limit
 
-   !> Steps towards t_end, at most `steps` of them; arrived: t_end is reached. The next call with
-   !> the same t_end goes on as if it were the same one.
+   !> Whether the longest step, without what is taken off at the start, is below the least of
+   !> /DT/NODA/STOP
+   pure logical function is_too_short(model, self)
+      type(model_t), intent(in) :: model
+      type(march_t), intent(in) :: self
+
+      is_too_short = model%control%below_min == STOP_BELOW .and. &
+         self%limit < merge(START_PART, 1.0_wp, self%starting)*model%control%dt_min
+   end function is_too_short
+
+   !> Steps towards t_end, at most `steps` of them, or until they are too short; arrived: t_end is
+   !> reached. The next call with the same t_end goes on as if it were the same one.
    subroutine march(model, t_end, steps, self, state, arrived)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: t_end
@@ -165,6 +177,7 @@ contains
          arrived = self%left == 0
          if (arrived) exit
          if (self%since == LOOK) call look_ahead(model, self, state)
+         if (is_too_short(model%model_t, self)) exit
       end do
       if (.not. arrived) return
       state%time = t_end

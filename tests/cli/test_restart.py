@@ -3,6 +3,7 @@
 
 usage: test_restart.py KJOINT [unittest arguments]
 """
+import json
 import signal
 import subprocess
 import sys
@@ -82,17 +83,26 @@ class Restart(Program):
         text = self.engine.read_text()
         self.engine.write_text(text.replace("\n0.0199\n", "\n0.0107\n", 1) + "/RFILE\n0\n")
         (self.folder / "REV01_0002.rad").write_text(text.replace("/RUN/REV01/1", "/RUN/REV01/2"))
-        early = self.kjoint("run", "-q", "REV01_0002.rad", code=3)
-        self.assertIn("REV01.restart.h5", early.stderr)
-        self.assertIn("/RFILE", early.stderr)
+        for command in ("run", "check"):                   # both say the same before, between, and after
+            early = self.kjoint(command, "-q", "REV01_0002.rad", code=3)
+            self.assertIn("REV01.restart.h5", early.stderr)
+            self.assertIn("/RFILE", early.stderr)
         self.run_deck()
+        self.assertIn("0 errors", self.kjoint("check", "REV01_0002.rad").stdout)
         self.kjoint("run", "-q", "REV01_0002.rad")
         self.same("whole.h5", "REV01.h5")
+        self.run_deck("--until", "0.02")
+        late = self.kjoint("check", "REV01_0002.rad", code=2)
+        self.assertIn("is at the end of the run already", late.stderr)
+        self.assertIn("1 error, ", late.stdout)            # it counts what it says
+        late = self.kjoint("run", "REV01_0002.rad", code=2)
+        self.assertEqual("", late.stdout)                  # no summary of a run that was refused
         # a second run is none that starts by itself
         lone = self.folder / "second.rad"
         lone.write_text((self.folder / "REV01_0002.rad").read_text())
-        done = self.kjoint("run", "REV01_0000.rad", "second.rad", "-o", "lone.h5", code=2)
-        self.assertIn("saved state of the run before", done.stderr)
+        for words in (("run", "-o", "lone.h5"), ("check",)):
+            done = self.kjoint(*words, "REV01_0000.rad", "second.rad", code=2)
+            self.assertIn("saved state of the run before", done.stderr)
         self.assertFalse((self.folder / "lone.h5").exists())
 
     def test_what_does_not_go_on_is_refused_and_loses_nothing(self):
@@ -152,6 +162,21 @@ class Restart(Program):
             self.engine.write_text(text)
             self.assertIn("energy error passed its limit", done.stderr)
             self.assertEqual(left, (self.folder / "REV01.restart.h5").exists())
+
+    def test_the_least_step_of_dt_noda_stop_ends_a_run(self):
+        # the step is the factor times the limit that check tells; a least one above it ends the run
+        # at once, one below it never, as the limit of this deck hardly changes
+        text = self.engine.read_text()
+        for words, rule in (((), "safe_step"), (("--dt-rule", "nodal"), "nodal_step"), (("--legacy",), "nodal_step"),
+                            (("--islands",), "safe_step")):
+            limit = json.loads(self.kjoint("check", "REV01_0000.rad", "--json").stdout)[rule]
+            for least, cycles in ((1.02*0.9*limit, 1), (0.9*0.9*limit, 1000000)):
+                self.engine.write_text(text + f"/DT/NODA/STOP\n0.9 {least:.8e}\n")
+                done = self.kjoint("run", "REV01_0000.rad", "--json", *words)
+                self.assertEqual(cycles == 1, json.loads(done.stdout)["cycles"] <= 1, (words, done.stdout))
+                self.assertEqual(cycles == 1, "KJ-9303" in done.stdout, (words, least))
+        self.engine.write_text(text + f"/DT/NODA/STOP\n0.9 {limit}\n")
+        self.assertIn("KJ-9303", self.kjoint("check", "REV01_0000.rad", "--json").stdout)
 
     def test_checkpoints_by_the_clock(self):
         self.run_deck("--until", "2", "--sample", "0.01", "--checkpoint-every", "0.05")
