@@ -479,6 +479,15 @@ class Check(Program):
         self.assertEqual(1000, len(errors) + said["findings_left_out"])
 
 
+    def test_numbers_that_are_none_pass_no_limit(self):
+        # the kinetic energy of a free node of 1e200 kg at 1e200 m/s overflows; two formulations have no limit of the energy
+        self.deck_with("/END", "/NODE\n" + f"{90001:10}{'1e200':>20}{0.0:20}{0.0:20}\n" +
+                       "/ADMAS/5/77\nfar\n               1e200     90001\n/GRNOD/NODE/90002\nfar\n     90001\n"
+                       "/INIVEL/TRA/90003\nfast\n" + f"{'1e200':>20}{0.0:20}{0.0:20}{90002:10}\n/END")
+        for words in ((), ("--legacy",), ("--integrator", "compliant"), ("--energy-limit", "1e300")):
+            said = self.kjoint("run", "-q", *words, "REV01_0000.rad", code=1).stderr
+            self.assertRegex(said, r"not finite any more in cycle \d+", words)
+
     def test_a_falling_curve_is_named_when_it_ends_a_legacy_run(self):
         # moment 100 N m per rad up to 0.1 rad, then falling; the arm swings past that
         text = self.starter.read_text()
