@@ -20,7 +20,7 @@ module kj_scheme
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_step, only: place_node
    use kj_consistent_march, only: march_t, start_march, march, is_too_short, check_state, SPLIT2, &
-      LIEMID, RKMK4, COMPLIANT
+      RKMK4, COMPLIANT
    use kj_consistent_compliant_build, only: make_implicit
    use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
    use kj_consistent_snapshot, only: show_consistent, show_consistent_clock
@@ -75,9 +75,8 @@ contains
       type(scheme_t), intent(inout) :: self
 
       self%legacy = options%formulation == 'legacy'
-      if (options%integrator == 'liemid') self%integrator = LIEMID
-      if (options%integrator == 'rkmk4') self%integrator = RKMK4
-      if (options%integrator == 'compliant') self%integrator = COMPLIANT
+      self%integrator = max(SPLIT2, findloc([character(len=9) :: 'split2', 'liemid', 'rkmk4', &
+         'compliant'], options%integrator, 1))
       self%march%pace%rigid = options%kn == 'inf'
       if (options%error > 0.0_wp) self%march%pace%tolerance = options%error
       if (options%turn > 0.0_wp) self%march%pace%turn = options%turn
@@ -142,8 +141,7 @@ contains
       type(scheme_t), intent(in) :: self
       type(consistent_model_t), intent(in) :: model
 
-      factor = model%control%dt_factor
-      if (.not. self%legacy) factor = step_factor(model)
+      factor = merge(model%control%dt_factor, step_factor(model), self%legacy)
    end function critical_factor
 
    !> The scene at t = 0 with its forces, and what it shows.
@@ -217,14 +215,8 @@ contains
       type(model_t), intent(in) :: model
       type(scheme_t), intent(in) :: self
 
-      associate (t => self%now%time, t_stop => model%control%t_stop)
-         if (self%legacy) then
-            is_over = t + self%cycles%h2 > t_stop
-         else
-            is_over = .not. t < t_stop
-         end if
-      end associate
-      is_over = is_over .or. is_cut_short(model, self)
+      is_over = merge(self%now%time + self%cycles%h2 > model%control%t_stop, &
+         .not. self%now%time < model%control%t_stop, self%legacy) .or. is_cut_short(model, self)
    end function is_over
 
    !> Whether /DT/NODA/STOP ends a run; where islands march, or compliant, at a sample
@@ -503,10 +495,8 @@ contains
 
       if (is_cut_short(model, self)) call note(findings, SEV_WARNING, 'KJ-9303', &
          'the time step fell below the least of /DT/NODA/STOP: the run ends before its time')
-      if (self%legacy) then
-         call warn_costs(model, self%cycles, findings)
-         return
-      end if
+      if (self%legacy) call warn_costs(model, self%cycles, findings)
+      if (self%legacy) return
       call warn_of_loss(self, findings)
       if (self%now%loosest > LOOSE) then
          write (buffer, '(es8.1)') self%now%loosest

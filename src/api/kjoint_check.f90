@@ -37,8 +37,8 @@ contains
       call try_run(sim, report, error)
    end procedure check_simulation
 
-   !> Begin to run a copy, from the start or a restored state: how long the whole run takes, and what
-   !> ends it at once
+   !> Begin to run a copy, from where the scene stands: how long the whole run takes, and what ends
+   !> it at once
    subroutine try_run(sim, report, error)
       type(simulation_t), intent(in) :: sim
       type(check_t), intent(inout) :: report
@@ -75,7 +75,8 @@ contains
          if (wall_clock() - clock > TRY) exit
          call go_on(model, scheme, late)
       end do
-      report%seconds = (wall_clock() - clock)/real(max(1, scheme%now%cycle - first), wp)*report%cycles
+      report%seconds = (wall_clock() - clock)/real(max(1, scheme%now%cycle - first), wp)* &
+         report%cycles
       report%samples = report%cycles
       if (model%control%sample > 0.0_wp) report%samples = min(report%cycles, 1.0_wp + &
          model%control%t_stop/model%control%sample)

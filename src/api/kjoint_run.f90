@@ -274,7 +274,7 @@ contains
    end subroutine add_row
 
    !> The limit of the energy error: that of the options, else of /STOP and /KILL.
-   !> Errors: ERR_RUN when it is passed; an error that is not a number is beyond any, and beyond none
+   !> Errors: ERR_RUN when it is passed, and when the error is not a number
    subroutine check_energy(sim, status, error)
       type(simulation_t), intent(in) :: sim
       type(run_status_t), intent(in) :: status
