@@ -23,7 +23,7 @@ module kj_run_option
       real(wp) :: dt_scale = 0.0_wp, dt_max_scale = 1.0_wp, kn_scale = 1.0_wp
       real(wp) :: energy_limit = -1.0_wp
       real(wp) :: error = 0.0_wp, turn = 0.0_wp
-      logical :: ignore_unsupported = .false., mechanism = .false.
+      logical :: ignore_unsupported = .false., ignore_random = .false., mechanism = .false.
       character(len=MOST_TEXT) :: set = ''      !! name=value,name=value
       character(len=MOST_TEXT) :: joint = ''    !! id.field=value,id.field=value
       integer :: threads = 1, least_share = 500
@@ -79,10 +79,12 @@ module kj_run_option
                    '', 'the integrator compliant'), &
       run_option_t('ignore_unsupported', A_FLAG,     0.0_wp,     '',     'run check study', '', &
                    '', 'warn about keywords out of scope instead of stopping'), &
+      run_option_t('ignore_random',      A_FLAG,     0.0_wp,     '',     'run check study extract', '', &
+                   '', 'leave coordinates as they are where /RANDOM disturbs them'), &
       run_option_t('mechanism',          A_FLAG,     0.0_wp,     '',     'run check study', '', &
                    '', 'of a full deck the rigid bodies, joints and springs alone'), &
       run_option_t('set',                A_TEXT,     0.0_wp,     'N=V',  'run check study extract', '', &
-                   '', 'values of /PARAMETER: name=value, more behind commas'), &
+                   '', 'values of /PARAMETER: name=value, more behind commas, or again'), &
       run_option_t('joint',              A_TEXT,     0.0_wp,     'J=V',  'run check study', '', &
                    '', 'fields of single joints: ID.Kn=V, ID.SA+_rx=V, work units'), &
       run_option_t('threads',            AN_INTEGER, 1.0_wp,     'N',    'run study',       '1; command line: OMP_NUM_THREADS', &
@@ -125,8 +127,12 @@ contains
       integer :: status, whole
 
       status = NUMBER_FINE
-      if (any(run_options(row)%kind == [A_WORD, A_TEXT])) then
+      if (run_options(row)%kind == A_WORD) then
          value%word = text
+      else if (run_options(row)%kind == A_TEXT) then
+         call exchange_value(row, .false., options, value, error)    ! what is given again joins
+         value%word = trim(value%word)//','//text
+         if (value%word(:1) == ',') value%word = text
       else if (run_options(row)%kind == A_REAL) then
          call parse_real(text, value%number, status)
       else
@@ -191,6 +197,7 @@ contains
       case ('kn_scale'); call real_number(options%kn_scale)
       case ('energy_limit'); call real_number(options%energy_limit)
       case ('ignore_unsupported'); call flag(options%ignore_unsupported)
+      case ('ignore_random'); call flag(options%ignore_random)
       case ('mechanism'); call flag(options%mechanism)
       case ('set'); call word(options%set)
       case ('joint'); call word(options%joint)

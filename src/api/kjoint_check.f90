@@ -4,7 +4,7 @@ submodule (kjoint:kjoint_run) kjoint_check
    use kj_joint_batch, only: blocking_stiffness, joint_batch_t, LAW_SPRING_CURVE, &
       LAW_DAMPER_CURVE, has_friction
    use kj_curve, only: curve_set_t, law_value
-   use kj_model, only: model_t
+   use kj_model, only: model_t, SCALE_NONE
    use kj_consistent_state, only: consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_scheme, only: critical_factor, scheme_t, start_scheme, go_on, is_over, warn_after
@@ -14,7 +14,7 @@ submodule (kjoint:kjoint_run) kjoint_check
    use kj_islands, only: find_islands, island_steps
    use kj_error, only: str
    use kj_text, only: text_t
-   use kj_consistent_nodal_step, only: nodal_bound, exact_bound
+   use kj_consistent_nodal_step, only: exact_bound
    use kj_consistent_compliant_check, only: compliant_outlook
    implicit none
 
@@ -253,7 +253,7 @@ contains
       report%safe_step = bound%h
       call find_islands(model, island, n)
       report%island_step = island_steps(model, island, n, bound%limit)
-      call nodal_bound(scene, state, report%nodal_step)
+      call radioss_step(model, report%nodal_step)
       call exact_bound(scene, state, bound, MOST_DOFS, report%exact_step)
       call sort_limits()
       if (allocated(error)) return
@@ -274,5 +274,25 @@ contains
          end do
       end subroutine sort_limits
    end subroutine tell_limits
+
+   !> The step of the first cycle of Radioss without /DT, unscaled; huge where nothing limits it
+   subroutine radioss_step(model, step)
+      type(model_t), intent(in) :: model
+      real(wp), intent(out) :: step
+
+      type(consistent_model_t) :: scene
+      type(scheme_t) :: scheme
+      type(error_t), allocatable :: error        ! told by the trial run
+      real(wp), parameter :: NO_LIMIT = 0.99e6_wp
+
+      scene%model_t = model
+      scene%control%dt_ini = 0.0_wp
+      scene%control%dt_max = huge(1.0_wp)
+      scene%control%below_min = SCALE_NONE
+      scheme%legacy = .true.
+      call start_scheme(scene, scheme, error)
+      step = huge(1.0_wp)
+      if (scheme%now%step < NO_LIMIT) step = scheme%now%step/model%control%dt_factor
+   end subroutine radioss_step
 
 end submodule kjoint_check

@@ -41,6 +41,7 @@ contains
       call settle_run_options(sim%options, error)
       if (allocated(error)) return
       call choose_scheme(sim%options, sim%scheme)
+      draft%deck%ignore_random = options%ignore_random
       if (options%mechanism) then
          call take_mechanism(starter, settings_of(options%set), findings, draft%deck, report)
       else
@@ -130,6 +131,7 @@ contains
       character(len=:), allocatable :: path, kept
       logical :: has_engine
 
+      deck%ignore_random = options%ignore_random
       call take_mechanism(starter, settings_of(options%set), findings, deck, report)
       report%engine = ''
       call find_engine_deck(starter, engine, path)
@@ -270,14 +272,21 @@ contains
       type(history_t), intent(inout) :: history
 
       integer :: i, k, n
+      logical :: kept(deck%n_source)
 
-      n = count(deck%source(:deck%n_source)%role /= 'flat')   ! those are made of others
+      kept = deck%source(:deck%n_source)%role /= 'flat'       ! those are made of others
+      allocate (history%input_path(0))
+      do k = 1, deck%n_source
+         if (kept(k)) call append_text(history%input_path, deck%source(k)%path)
+      end do
+      if (allocated(engine_source%text)) call append_text(history%input_path, engine_source%path)
+      if (any(deck%source(:deck%n_source)%role == 'extract')) kept(2:) = .false.   ! all that runs
+      n = count(kept)
       if (allocated(engine_source%text)) n = n + 1
       allocate (history%input_name(n), history%input_text(n), history%input_role(n))
-      allocate (history%input_path(n))
       i = 0
       do k = 1, deck%n_source
-         if (deck%source(k)%role /= 'flat') call keep(deck%source(k))
+         if (kept(k)) call keep(deck%source(k))
       end do
       if (i < n) call keep(engine_source)
    contains
@@ -285,7 +294,6 @@ contains
          type(source_t), intent(inout) :: source
 
          i = i + 1
-         history%input_path(i)%s = source%path
          history%input_name(i)%s = source%path(index(source%path, '/', back=.true.) + 1:)
          call move_alloc(source%text, history%input_text(i)%s)
          history%input_role(i)%s = trim(source%role)

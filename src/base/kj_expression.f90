@@ -199,10 +199,11 @@ contains
 
       real(wp) :: x
       integer :: k, i
-      character(len=:), allocatable :: upper
+      character(len=len(FUNCTIONS)) :: upper
 
       upper = name
-      do i = 1, len(name)
+      if (len(name) > len(upper)) upper = ''
+      do i = 1, min(len(name), len(upper))
          k = index(LETTERS(27:52), name(i:i))
          if (k > 0) upper(i:i) = LETTERS(k:k)
       end do

@@ -1,5 +1,6 @@
 !> Sorting and looking up of user ids.
 module kj_sort
+   use kj_kinds, only: wp
    implicit none
    private
 
@@ -90,12 +91,28 @@ contains
       type(lookup_t), intent(in) :: lookup
       integer, intent(in) :: id
 
-      integer :: i
+      integer :: i, k, lo, hi
 
-      i = lower_bound(lookup%id, id)
       place = 0
-      if (i > size(lookup%id)) return
-      if (lookup%id(i) == id) place = lookup%place(i)
+      lo = 1
+      hi = size(lookup%id)
+      do k = 1, 3                         ! guess: ids mostly follow each other
+         if (lo > hi) return
+         if (id < lookup%id(lo) .or. id > lookup%id(hi)) return
+         if (lo == hi) exit
+         i = lo + int((real(id, wp) - lookup%id(lo))*real(hi - lo, wp)/ &
+            max(1.0_wp, real(lookup%id(hi), wp) - lookup%id(lo)))
+         if (lookup%id(i) < id) then
+            lo = i + 1
+         else
+            hi = i
+            if (i == lo) cycle
+            if (lookup%id(i - 1) < id) lo = i
+            if (lookup%id(i - 1) >= id) hi = i - 1
+         end if
+      end do
+      if (lo < hi) lo = lo - 1 + lower_bound(lookup%id(lo:hi), id)
+      if (lookup%id(lo) == id) place = lookup%place(lo)
    end function find
 
    !> First place whose key is not below this one, size(keys) + 1 when all are

@@ -223,6 +223,7 @@ contains
    subroutine print_means(report)
       type(extract_report_t), intent(in) :: report
 
+      character(len=:), allocatable :: bodies
       integer :: i, n
 
       do i = 1, size(report%acts)
@@ -234,10 +235,10 @@ contains
       do i = 1, size(report%bridge)
          associate (p => report%bridge(i))
             if (p%void) cycle
+            bodies = 'body '//str(p%body(1))
+            if (p%body(2) > 0) bodies = 'bodies '//str(p%body(1))//' and '//str(p%body(2))
             call print_line('means     part '//str(p%part)//' ('//p%title%s//') pulls at '// &
-               merge('bodies', 'body  ', p%body(2) > 0)//' '//str(p%body(1))// &
-               merge(' and '//str(p%body(2)), repeat(' ', 5 + len(str(p%body(2)))), &
-               p%body(2) > 0)//' in the full deck: '//counted(p%n, 'element', 'elements'))
+               bodies//' in the full deck: '//counted(p%n, 'element', 'elements'))
          end associate
       end do
       n = 0

@@ -57,6 +57,11 @@ module kj_message_full
       'first card, or a property whose layers are not read.', &
       'Give the nodes /ADMAS, and the elements /MAT/VOID.'), &
    message_t('KJ-9428', SEV_ERROR, 'a constraint that cannot be left out', 'Bodies that are merged, gears, and nodes that '// &
-      'follow others carry bodies or ends of joints.', 'Use joints instead.')]
+      'follow others carry bodies or ends of joints.', 'Use joints instead.'), &
+   message_t('KJ-9429', SEV_WARNING, 'bodies that fall apart', 'Only elements hold two bodies together, and these are not '// &
+      'in the mechanism: no joint or spring leads from one to the other.', &
+      'Put a joint or a spring in their place.'), &
+   message_t('KJ-9430', SEV_NOTE, 'requests that are left out', 'Histories of nodes and springs that are not in the '// &
+      'mechanism.', 'Nothing.')]
 
 end module kj_message_full

@@ -143,8 +143,6 @@ module kj_message_scene
       'Write one of them.'), &
    message_t('KJ-9125', SEV_ERROR, 'imposed motion in a frame', 'An imposed motion relative to a frame is not supported.', &
       'Write 0 for the frame.'), &
-   message_t('KJ-9131', SEV_ERROR, 'rigid parts', 'A /PART with Irigid makes its nodes a rigid body; that is not supported.', &
-      'Write 0, and put the nodes into a /RBODY.'), &
    message_t('KJ-9132', SEV_WARNING, 'a range of ids ends before it begins', &
       'The first id of a range is above the last, so there is no node in it.', &
       'Exchange the two ids.'), &

@@ -87,8 +87,8 @@ module kj_message_text
    message_t('KJ-9013', SEV_WARNING, 'an integer written as a real number', '1.0 is read as 1.', 'Write 1.'), &
    message_t('KJ-9014', SEV_WARNING, 'a blank line is a card', 'A blank line is not skipped: all its fields are 0 or blank.', &
       'Remove the line.'), &
-   message_t('KJ-9015', SEV_ERROR, 'parameters are not supported', 'A field with & names a parameter of /PARAMETER.', &
-      'Write the number.'), &
+   message_t('KJ-9015', SEV_ERROR, 'a parameter that is not defined', 'A field with & names a parameter of /PARAMETER.', &
+      'Define it, or write the number.'), &
    message_t('KJ-9016', SEV_WARNING, 'the title seems to be a card', &
       'The line after the header is always the title. Without a title the first card is taken '// &
       'for it.', 'Put a title line after the header.'), &

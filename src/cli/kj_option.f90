@@ -9,7 +9,7 @@ module kj_option
    use kj_number, only: parse_real, NUMBER_FINE
    use kj_spelling, only: edit_distance
    use kj_text, only: word_t => text_t          ! of the command line
-   use kj_run_option, only: run_options, describe_run_option
+   use kj_run_option, only: run_options, describe_run_option, A_TEXT
    implicit none
    private
 
@@ -289,6 +289,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       character(len=:), allocatable :: name
+      character(len=:), allocatable :: before
       type(option_t) :: o
       integer :: equals
 
@@ -297,9 +298,11 @@ contains
       if (name(1:2) == '--' .and. equals > 0) name = name(:equals - 1)
       call find_option(name, args%command, o, error)
       if (allocated(error)) return
+      before = ''
       if (args%given(o%id)) then
-         call fail(error, ERR_INPUT, name//' is given twice')
-         return
+         before = args%value(o%id)%s//','
+         if (.not. is_list(o)) call fail(error, ERR_INPUT, name//' is given twice')
+         if (allocated(error)) return
       end if
       args%given(o%id) = .true.
       if (o%value == '') then
@@ -316,7 +319,16 @@ contains
       end if
       if (len(args%value(o%id)%s) == 0) &
          call fail(error, ERR_INPUT, name//' needs a value: '//name//' '//trim(o%value))
+      args%value(o%id)%s = before//args%value(o%id)%s
    end subroutine take_option
+
+   !> Values of an option that is given again join those before
+   pure logical function is_list(o)
+      type(option_t), intent(in) :: o
+
+      is_list = o%id > FIRST_RUN
+      if (is_list) is_list = run_options(o%id - FIRST_RUN)%kind == A_TEXT
+   end function is_list
 
    !> An option that a command takes; two commands may have options of the same name
    subroutine find_option(name, command, o, error)

@@ -221,8 +221,9 @@ contains
       hint = ''
       if (index(text, ',') > 0) hint = 'a comma makes the line free format: its fields are cut '// &
          'at commas, and a decimal point is a point'
-      if (text(first:first) == '&') then
-         call say(SEV_ERROR, 'KJ-9015', name//' is a parameter, and parameters are not supported')
+      if (index(text(first:last), '&') > 0) then
+         hint = 'define it with /PARAMETER'
+         call say(SEV_ERROR, 'KJ-9015', name//' is a parameter that the deck does not define')
          return
       end if
       select case (status)

@@ -12,7 +12,7 @@ module kj_card_fields
       KW_RANDOM, KW_RBODY, KW_SENSOR_TIME, KW_SET_GENERAL, KW_SKEW_FIX, KW_SKEW_MOV, &
       KW_SKEW_MOV2, KW_SPRING, KW_SPRING4, KW_SPRING8, KW_SPRING13, &
       KW_TH_NODE, KW_TH_PART, KW_TH_RBODY, &
-      KW_TH_SPRING, KW_UNIT, N_KEYWORD
+      KW_TH_SPRING, KW_UNIT, KW_UNIT_LENGTH, KW_UNIT_MASS, KW_UNIT_TIME, N_KEYWORD
    use kj_field, only: field_t, EACH, ONCE, ROWS, DOFS, IDS, PAIRS, TRIPLES, NAMES, CLAUSES
    use kj_full_fields, only: full_fields
    use kj_joint_types, only: joint_types, find_joint_type, NDOF
@@ -275,6 +275,9 @@ module kj_card_fields
    field_t(KW_UNIT,           EACH, 1, ONCE,     1,  20, 'mass',         'a', D_NUMBER, 0, 'unit of mass: code or SI value'), &
    field_t(KW_UNIT,           EACH, 1, ONCE,    21,  40, 'length',       'a', D_NUMBER, 0, 'unit of length: code or SI value'), &
    field_t(KW_UNIT,           EACH, 1, ONCE,    41,  60, 'time',         'a', D_NUMBER, 0, 'unit of time: code or SI value'), &
+   field_t(KW_UNIT_MASS,      EACH, 1, ONCE,     1,  20, 'mass',         'a', D_NUMBER, 0, 'unit of mass: code or SI value'), &
+   field_t(KW_UNIT_LENGTH,    EACH, 1, ONCE,     1,  20, 'length',       'a', D_NUMBER, 0, 'unit of length: code or SI value'), &
+   field_t(KW_UNIT_TIME,      EACH, 1, ONCE,     1,  20, 'time',         'a', D_NUMBER, 0, 'unit of time: code or SI value'), &
    field_t(KW_NODE,           EACH, 1, ROWS,     1,  10, 'id',           'i', D_NUMBER, 0, 'node id'), &
    field_t(KW_NODE,           EACH, 1, ROWS,    11,  30, 'X',            'r', D_LENGTH, 0, 'x coordinate'), &
    field_t(KW_NODE,           EACH, 1, ROWS,    31,  50, 'Y',            'r', D_LENGTH, 0, 'y coordinate'), &
@@ -283,7 +286,17 @@ module kj_card_fields
    field_t(KW_PART,           EACH, 1, ONCE,    11,  20, 'mat_id',       'i', D_NUMBER, 0, 'material, 0 for springs and joints'), &
    field_t(KW_PART,           EACH, 1, ONCE,    21,  30, 'subset_id',    'i', D_NUMBER, 0, 'subset'), &
    field_t(KW_PART,           EACH, 1, ONCE,    31,  50, 'thick',        'r', D_LENGTH, 0, 'virtual thickness'), &
-   field_t(KW_PART,           EACH, 1, ONCE,    51,  60, 'Irigid',       'i', D_NUMBER, 2612, '1: rigid part'), &
+   field_t(KW_PART,           EACH, 1, ONCE,    51,  70, 'Irigid',       'i', D_NUMBER, 2612, '1: rigid part, three more cards'), &
+   field_t(KW_PART,           EACH, 2, ONCE,     1,  10, 'node_id',      'i', D_NUMBER, 2612, 'main node, 0 = created'), &
+   field_t(KW_PART,           EACH, 2, ONCE,    11,  20, 'skew_id',      'i', D_NUMBER, 2612, 'axes of the inertia'), &
+   field_t(KW_PART,           EACH, 2, ONCE,    21,  40, 'Mass',         'r', D_MASS,   2612, 'mass added at the main node'), &
+   field_t(KW_PART,           EACH, 2, ONCE,    51,  60, 'sens_id',      'i', D_NUMBER, 2612, 'sensor that activates the body'), &
+   field_t(KW_PART,           EACH, 3, ONCE,     1,  20, 'Jxx',          'r', D_INERTIA, 2612, 'added inertia, xx'), &
+   field_t(KW_PART,           EACH, 3, ONCE,    21,  40, 'Jyy',          'r', D_INERTIA, 2612, 'added inertia, yy'), &
+   field_t(KW_PART,           EACH, 3, ONCE,    41,  60, 'Jzz',          'r', D_INERTIA, 2612, 'added inertia, zz'), &
+   field_t(KW_PART,           EACH, 4, ONCE,     1,  20, 'Jxy',          'r', D_INERTIA, 2612, 'added inertia, xy'), &
+   field_t(KW_PART,           EACH, 4, ONCE,    21,  40, 'Jyz',          'r', D_INERTIA, 2612, 'added inertia, yz'), &
+   field_t(KW_PART,           EACH, 4, ONCE,    41,  60, 'Jxz',          'r', D_INERTIA, 2612, 'added inertia, xz'), &
    field_t(KW_SPRING,         EACH, 1, ROWS,     1,  10, 'id',           'i', D_NUMBER, 0, 'spring id'), &
    field_t(KW_SPRING,         EACH, 1, ROWS,    11,  20, 'n1',           'i', D_NUMBER, 0, 'node 1'), &
    field_t(KW_SPRING,         EACH, 1, ROWS,    21,  30, 'n2',           'i', D_NUMBER, 0, 'node 2'), &

@@ -5,11 +5,14 @@ module kj_deck
    use kj_kinds, only: wp
    use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE, str
    use kj_units, only: unit_system_t, factor_of
-   use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_KJOINT2, KW_INIVEL_AXIS
+   use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_UNIT_MASS, KW_UNIT_LENGTH, &
+      KW_UNIT_TIME, KW_KJOINT2, KW_INIVEL_AXIS
    use kj_card_fields, only: field_range
-   use kj_deck_text, only: deck_t, source_t, report_file, report_header, mute_block, report_line
+   use kj_deck_text, only: deck_t, source_t, report_file, report_header, mute_block, report_line, &
+      line_text
    use kj_deck_scan, only: scan_deck
    use kj_deck_flat, only: flatten_deck
+   use kj_rigid_part, only: make_rigid_parts
    use kj_parameter, only: setting_t
    use kj_cards, only: cards_t, read_cards, int_of, text_of, report
    use kj_number, only: parse_real, NUMBER_FINE
@@ -26,6 +29,7 @@ module kj_deck
 
    !> What a base unit is called
    integer, parameter :: UNIT_MASS = 1, UNIT_LENGTH = 2, UNIT_TIME = 3
+   integer, parameter :: ONE_UNIT(3) = [KW_UNIT_MASS, KW_UNIT_LENGTH, KW_UNIT_TIME]
 
    !> A prefix of a unit
    type :: prefix_t
@@ -89,6 +93,7 @@ contains
       call read_begin(deck)
       if (present(settings)) call flatten_deck(deck, settings)
       if (.not. present(settings)) call flatten_deck(deck, [setting_t ::])
+      call make_rigid_parts(deck)
       call read_local_units(deck)
       call check_unit_ids(deck)
       call check_layouts(deck)
@@ -157,8 +162,9 @@ contains
       integer :: i
       logical :: has_input, has_work
 
-      call read_triple(deck, cards, '_input', input, has_input)
-      call read_triple(deck, cards, '_work', work, has_work)
+      call read_some(deck, cards, '_input', 1, 3, input, has_input)
+      call read_some(deck, cards, '_work', 1, 3, work, has_work)
+      if (.not. (has_input .or. has_work)) call read_words(deck, input, has_input)
       if (.not. (has_input .or. has_work)) then
          call report(deck, cards, 'mass_input', SEV_ERROR, 'KJ-0574', '/BEGIN has no units', &
             'expected: units of mass, length and time', 'for example kg, m, s')
@@ -176,11 +182,12 @@ contains
       end if
    end subroutine read_units
 
-   !> Read three units; given = .false. when all three are blank
-   subroutine read_triple(deck, cards, suffix, units, given)
+   !> Read units of a card; given = .false. when all of them are blank
+   subroutine read_some(deck, cards, suffix, first, last, units, given)
       type(deck_t), intent(inout) :: deck
       type(cards_t), intent(in) :: cards
       character(len=*), intent(in) :: suffix    !! of the names of the fields
+      integer, intent(in) :: first, last        !! UNIT_ constants
       type(unit_system_t), intent(inout) :: units
       logical, intent(out) :: given
 
@@ -189,45 +196,86 @@ contains
       integer :: i
 
       given = .false.
-      do i = 1, 3
+      do i = first, last
          given = given .or. len(text_of(cards, trim(QUANTITY(i))//suffix)) > 0
       end do
       if (.not. given) return
-      do i = 1, 3
+      do i = first, last
          name = trim(QUANTITY(i))//suffix
          text = text_of(cards, name)
          call read_unit(text, i, units%si(i), units%symbol(i), found)
          if (.not. found) call report(deck, cards, name, SEV_ERROR, 'KJ-0573', &
             'the unit of '//trim(QUANTITY(i))//' is not understood', 'expected: a prefix and '// &
-            'gms'(i:i)//', or the SI value, 1e-30 to 1e30')
+            BASE(i)//', or the SI value, 1e-30 to 1e30')
       end do
-   end subroutine read_triple
+   end subroutine read_some
 
-   !> Read all /UNIT blocks
+   !> Units of an old deck, in headers such as /UNIT/LENGTH/mm
+   subroutine read_words(deck, units, given)
+      type(deck_t), intent(inout) :: deck
+      type(unit_system_t), intent(inout) :: units
+      logical, intent(inout) :: given
+
+      integer :: i, k
+      logical :: found
+
+      do i = 1, deck%n_block
+         k = findloc(ONE_UNIT, deck%block(i)%keyword, 1)
+         if (k == 0 .or. unit_word(deck, i) == '') cycle
+         given = .true.
+         call read_unit(trim(unit_word(deck, i)), k, units%si(k), units%symbol(k), found)
+         if (.not. found) call report_header(deck, i, SEV_ERROR, 'KJ-0573', 'the unit of '// &
+            trim(QUANTITY(k))//' is not understood', 'expected: a prefix and '//BASE(k))
+      end do
+   end subroutine read_words
+
+   !> What follows the last slash
+   pure function after_slash(text) result(word)
+      character(len=*), intent(in) :: text
+      character(len=8) :: word
+
+      word = text(index(text, '/', back=.true.) + 1:)
+   end function after_slash
+
+   !> 'mm' of /UNIT/LENGTH/mm; '' of /UNIT/LENGTH/7
+   pure function unit_word(deck, block) result(word)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block              !! of a single unit
+      character(len=8) :: word
+
+      word = after_slash(line_text(deck, deck%block(block)%header))
+      if (verify(word, ' +-0123456789') == 0) word = ''
+   end function unit_word
+
+   !> Read all /UNIT blocks; those of one quantity add to what others of their id say
    subroutine read_local_units(deck)
       type(deck_t), intent(inout) :: deck
 
       type(cards_t) :: cards
-      type(unit_system_t) :: units
-      integer :: i, n
+      integer :: i, k, n, at
       logical :: given
 
-      n = 0
-      if (deck%n_block > 0) n = count(deck%block(:deck%n_block)%keyword == KW_UNIT)
+      n = count([(any(deck%block(i)%keyword == [KW_UNIT, ONE_UNIT]), i=1, deck%n_block)])
       allocate (deck%unit_id(n), deck%unit(n))
       do i = 1, deck%n_block
-         if (deck%block(i)%keyword /= KW_UNIT) cycle
+         k = findloc(ONE_UNIT, deck%block(i)%keyword, 1)
+         if (k == 0 .and. deck%block(i)%keyword /= KW_UNIT) cycle
+         if (k > 0) then
+            if (unit_word(deck, i) /= '') cycle
+         end if
+         at = findloc(deck%unit_id(:deck%n_unit), deck%block(i)%id, 1)
+         if (at > 0 .and. k == 0) call report_header(deck, i, SEV_ERROR, 'KJ-0079', '/UNIT/'// &
+            str(deck%block(i)%id)//' is defined twice', 'second definition')
+         if (at == 0 .or. k == 0) then
+            deck%n_unit = deck%n_unit + 1
+            at = deck%n_unit
+            deck%unit_id(at) = deck%block(i)%id
+            deck%unit(at) = deck%input
+         end if
          call read_cards(deck, i, cards)
-         units = deck%input
-         call read_triple(deck, cards, '', units, given)
-         if (.not. given) call report(deck, cards, 'mass', SEV_ERROR, 'KJ-0573', &
-            '/UNIT has no units', 'expected: units of mass, length and time')
-         if (any(deck%unit_id(:deck%n_unit) == deck%block(i)%id)) call report_header(deck, i, &
-            SEV_ERROR, 'KJ-0079', '/UNIT/'//str(deck%block(i)%id)//' is defined twice', &
-            'second definition')
-         deck%n_unit = deck%n_unit + 1
-         deck%unit_id(deck%n_unit) = deck%block(i)%id
-         deck%unit(deck%n_unit) = units
+         call read_some(deck, cards, '', max(1, k), merge(3, k, k == 0), deck%unit(at), given)
+         if (.not. given) call report(deck, cards, trim(QUANTITY(max(1, k))), SEV_ERROR, &
+            'KJ-0573', '/UNIT has no units', 'expected: units of mass, length and time')
       end do
    end subroutine read_local_units
 

@@ -4,12 +4,13 @@
 !> and columns, so that findings point where the user typed. Source: docs/theory/full.md 3.
 module kj_deck_flat
    use kj_error, only: SEV_ERROR
-   use kj_keywords, only: keywords, KW_SUBMODEL, KW_PARAMETER, KW_UNIT, KW_KJOINT, KW_SPRING8, &
-      KW_SPRING13, &
+   use kj_keywords, only: keywords, KW_SUBMODEL, KW_PARAMETER, KW_UNIT, KW_UNIT_MASS, &
+      KW_UNIT_LENGTH, KW_UNIT_TIME, KW_KJOINT, KW_SPRING8, KW_SPRING13, &
       KW_GRSHEL, KW_GRSH3N, KW_GRBRIC, KW_GRBEAM, KW_GRTRUS, KW_GRSPRI, KW_GRPART, &
       KW_SURF, KW_LINE, HEAD_ID, HEAD_TYPE_ID
    use kj_card_fields, only: EACH, ONCE, ROWS, DOFS, IDS, TRIPLES, CLAUSES, fields
-   use kj_deck_text, only: deck_t, source_t, line_text, first_card, id_shift, add_deck_finding
+   use kj_deck_text, only: deck_t, source_t, line_text, first_card, id_shift, add_deck_finding, &
+      add_source, FLAT
    use kj_card_cut, only: cut_t, cut_card, MOST_ON_CARD
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_reference, only: named_by_field, named_by_header, named_by_clause, OF_NOTHING, OF_NODE, &
@@ -30,8 +31,6 @@ module kj_deck_flat
       integer :: field(MOST_ON_CARD) = 0        !! row of the table of fields, 0 = none
    end type id_columns_t
 
-   character(len=4), parameter :: ROLE = 'flat'     !! of the sources with the new lines
-
 contains
 
    !> Give every block the ids and values that hold outside of it
@@ -49,7 +48,8 @@ contains
          if (deck%block(block)%keyword == KW_SUBMODEL) call read_offsets(deck, block)
          if (deck%block(block)%keyword == KW_PARAMETER) cycle
          if (deck%block(block)%submodel > 0) call move_into_deck(deck, block)
-         call rewrite_block(deck, list, block)
+         if (size(list%item) > 0 .or. deck%block(block)%submodel > 0) &
+            call rewrite_block(deck, list, block)
       end do
       call report_unused(list)
    end subroutine flatten_deck
@@ -100,7 +100,7 @@ contains
                is_element(keywords(b%row)%name))
             b%id = b%id + id_shift(deck, b%submodel, family)
          end if
-         if (b%keyword == KW_UNIT) return
+         if (any(b%keyword == [KW_UNIT, KW_UNIT_MASS, KW_UNIT_LENGTH, KW_UNIT_TIME])) return
          unit = unit_of(deck, b%submodel)
          if (b%unit_id == 0) b%unit_id = unit
       end associate
@@ -346,15 +346,21 @@ contains
       integer, intent(in) :: line
       character(len=*), intent(in) :: text
 
+      type(source_t) :: source
       integer :: s, old, n
       character(len=:), allocatable :: longer
 
       old = deck%line_source(line)
       s = 0
       do n = 1, deck%n_source
-         if (deck%source(n)%role == ROLE .and. deck%source(n)%path == deck%source(old)%path) s = n
+         if (deck%source(n)%role == FLAT .and. deck%source(n)%path == deck%source(old)%path) s = n
       end do
-      if (s == 0) call add_flat_source(deck, deck%source(old)%path, s)
+      if (s == 0) then
+         source%path = deck%source(old)%path
+         source%role = FLAT
+         allocate (character(len=4096) :: source%text)
+         call add_source(deck, source, s)
+      end if
       n = deck%source(s)%used
       if (n + len(text) > len(deck%source(s)%text)) then
          allocate (character(len=2*(n + len(text))) :: longer)
@@ -367,28 +373,5 @@ contains
       deck%line_first(line) = n + 1
       deck%line_last(line) = n + len(text)
    end subroutine put_line
-
-   subroutine add_flat_source(deck, path, s)
-      type(deck_t), intent(inout) :: deck
-      character(len=*), intent(in) :: path
-      integer, intent(out) :: s
-
-      type(source_t), allocatable :: longer(:)
-      integer :: i
-
-      allocate (longer(deck%n_source + 1))
-      do i = 1, deck%n_source
-         longer(i)%role = deck%source(i)%role
-         longer(i)%used = deck%source(i)%used
-         call move_alloc(deck%source(i)%path, longer(i)%path)
-         call move_alloc(deck%source(i)%text, longer(i)%text)
-      end do
-      s = deck%n_source + 1
-      deck%n_source = s
-      longer(s)%path = path
-      longer(s)%role = ROLE
-      allocate (character(len=4096) :: longer(s)%text)
-      call move_alloc(longer, deck%source)
-   end subroutine add_flat_source
 
 end module kj_deck_flat

@@ -5,8 +5,8 @@ module kj_deck_scan
    use kj_keywords, only: keywords, READ_IT, KW_END, KW_SUBMODEL, KW_ENDSUB
    use kj_spelling, only: upper
    use kj_deck_text, only: deck_t, source_t, block_t, submodel_t, add_deck_finding, line_text, &
-      report_line, &
-      add_line, load_source, next_line, folder_of, add_file_finding
+      report_line, add_line, add_source, move_source, add_block, load_source, next_line, &
+      folder_of, add_file_finding
    use kj_header, only: read_heading
    implicit none
    private
@@ -192,11 +192,9 @@ contains
       block%last = line
       scan%title_due = .true.
       if (block%row > 0) scan%title_due = keywords(block%row)%titled
-      if (deck%n_block == size(deck%block)) call lengthen_blocks(deck%block)
-      deck%n_block = deck%n_block + 1
       block%submodel = scan%submodel
+      call add_block(deck, block)
       if (block%keyword == KW_SUBMODEL) call enter_submodel(deck, scan, block%id)
-      deck%block(deck%n_block) = block
       if (block%keyword == KW_ENDSUB) call leave_submodel(deck, line, scan)
       scan%in_block = .true.
       scan%stray = .false.
@@ -317,46 +315,5 @@ contains
       call scan_source(source, deck, scan)
       call close_block(deck, scan)
    end subroutine include_file
-
-   !> Move a file into the deck
-   subroutine add_source(deck, source, s)
-      type(deck_t), intent(inout) :: deck
-      type(source_t), intent(inout) :: source
-      integer, intent(out) :: s                 !! its index
-
-      type(source_t), allocatable :: longer(:)
-      integer :: i
-
-      if (deck%n_source == size(deck%source)) then
-         allocate (longer(2*deck%n_source))
-         do i = 1, deck%n_source
-            call move_source(deck%source(i), longer(i))
-         end do
-         call move_alloc(longer, deck%source)
-      end if
-      s = deck%n_source + 1
-      deck%n_source = s
-      call move_source(source, deck%source(s))
-   end subroutine add_source
-
-   !> Move the text of a file without a copy
-   pure subroutine move_source(from, to)
-      type(source_t), intent(inout) :: from, to
-
-      to%role = from%role
-      call move_alloc(from%path, to%path)
-      call move_alloc(from%text, to%text)
-   end subroutine move_source
-
-   !> Double the length of the list of blocks
-   pure subroutine lengthen_blocks(array)
-      type(block_t), allocatable, intent(inout) :: array(:)
-
-      type(block_t), allocatable :: longer(:)
-
-      allocate (longer(2*size(array)))
-      longer(:size(array)) = array
-      call move_alloc(longer, array)
-   end subroutine lengthen_blocks
 
 end module kj_deck_scan

@@ -15,8 +15,10 @@ module kj_deck_text
 
    public :: source_t, block_t, deck_t, submodel_t, id_shift, line_text, place_of, title_of, &
       first_card, block_factors, add_deck_finding, report_file, report_header, report_line, &
-      header_end, lengthen, mute_block, add_line, load_source, next_line, folder_of, &
-      add_file_finding
+      header_end, lengthen, mute_block, add_line, add_source, move_source, add_block, load_source, &
+      next_line, folder_of, add_file_finding
+
+   character(len=*), parameter, public :: FLAT = 'flat'   !! role of a source made of others
 
    !> A file in memory
    type :: source_t
@@ -65,6 +67,7 @@ module kj_deck_text
       !> what is out of scope is left out: by --ignore-unsupported, and where `full`
       logical :: lenient = .false.
       logical :: full = .false.                 !! a full deck, of which the mechanism is taken out
+      logical :: ignore_random = .false.        !! /RANDOM disturbs nothing
       type(submodel_t), allocatable :: submodel(:)  !! (n_submodel)
       integer :: n_submodel = 0
       logical :: readable = .true.              !! .false.: further findings make no sense
@@ -346,6 +349,53 @@ contains
       deck%line_first(n) = first
       deck%line_last(n) = last
    end subroutine add_line
+
+   !> Move a text into the deck
+   pure subroutine add_source(deck, source, s)
+      type(deck_t), intent(inout) :: deck
+      type(source_t), intent(inout) :: source
+      integer, intent(out) :: s                 !! its index
+
+      type(source_t), allocatable :: longer(:)
+      integer :: i
+
+      if (deck%n_source == size(deck%source)) then
+         allocate (longer(2*deck%n_source))
+         do i = 1, deck%n_source
+            call move_source(deck%source(i), longer(i))
+         end do
+         call move_alloc(longer, deck%source)
+      end if
+      s = deck%n_source + 1
+      deck%n_source = s
+      call move_source(source, deck%source(s))
+   end subroutine add_source
+
+   !> Move the text of a file without a copy
+   pure subroutine move_source(from, to)
+      type(source_t), intent(inout) :: from, to
+
+      to%role = from%role
+      to%used = from%used
+      call move_alloc(from%path, to%path)
+      call move_alloc(from%text, to%text)
+   end subroutine move_source
+
+   !> Append a block
+   pure subroutine add_block(deck, block)
+      type(deck_t), intent(inout) :: deck
+      type(block_t), intent(in) :: block
+
+      type(block_t), allocatable :: longer(:)
+
+      if (deck%n_block == size(deck%block)) then
+         allocate (longer(2*deck%n_block))
+         longer(:deck%n_block) = deck%block
+         call move_alloc(longer, deck%block)
+      end if
+      deck%n_block = deck%n_block + 1
+      deck%block(deck%n_block) = block
+   end subroutine add_block
 
    !> Double the length of an array
    pure subroutine lengthen(array)

@@ -19,9 +19,9 @@ module kj_keywords
       keyword_t('/TITLE',           T, READ_IT, HN, 'title of the model'), &
       keyword_t('/END',             F, READ_IT, HN, 'end of the deck'), &
       keyword_t('/UNIT',            T, READ_IT, HI, 'units of the blocks that name this id'), &
-      keyword_t('/UNIT/MASS',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
-      keyword_t('/UNIT/LENGTH',     T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
-      keyword_t('/UNIT/TIME',       T, OUT_OF_SCOPE, HI, 'units one by one: use /UNIT with three units'), &
+      keyword_t('/UNIT/MASS',       T, ASIDE, HI, 'unit of mass of the deck, or of its blocks'), &
+      keyword_t('/UNIT/LENGTH',     T, ASIDE, HI, 'unit of length of the deck, or of its blocks'), &
+      keyword_t('/UNIT/TIME',       T, ASIDE, HI, 'unit of time of the deck, or of its blocks'), &
       keyword_t('/NODE',            F, READ_IT, HU, 'nodes: id and coordinates'), &
       keyword_t('/CNODE',           F, OUT_OF_SCOPE, HN, 'merging of nodes: use /NODE'), &
       keyword_t('/PART',            T, READ_IT, HI, 'elements of one property and material'), &
@@ -186,6 +186,9 @@ module kj_keywords
    integer, parameter, public :: N_KEYWORD = size(keywords), &
       KW_BEGIN = findloc(NAME, '/BEGIN', 1), KW_TITLE = findloc(NAME, '/TITLE', 1), &
       KW_END = findloc(NAME, '/END', 1), KW_UNIT = findloc(NAME, '/UNIT', 1), &
+      KW_UNIT_MASS = findloc(NAME, '/UNIT/MASS', 1), &
+      KW_UNIT_LENGTH = findloc(NAME, '/UNIT/LENGTH', 1), &
+      KW_UNIT_TIME = findloc(NAME, '/UNIT/TIME', 1), &
       KW_NODE = findloc(NAME, '/NODE', 1), KW_PART = findloc(NAME, '/PART', 1), &
       KW_SPRING = findloc(NAME, '/SPRING', 1), KW_KJOINT = findloc(NAME, '/PROP/TYPE33', 1), &
       KW_KJOINT2 = findloc(NAME, '/PROP/TYPE45', 1), &

@@ -92,7 +92,7 @@ contains
 
       character(len=:), allocatable :: header
       character(len=100) :: card
-      integer :: line
+      integer :: line, length, status
 
       header = line_text(deck, deck%block(block)%header)
       line = first_card(deck, block)
@@ -110,12 +110,18 @@ contains
       if (index(header, '/TEXT') > 0) p%kind = A_TEXT
       if (p%expression) then
          p%text = trim(card(11:))
+         do line = line + 1, deck%block(block)%last        ! it may go on
+            p%text = p%text//trim(line_text(deck, line))
+         end do
       else if (p%kind == AN_INTEGER) then
          p%text = trim(adjustl(card(11:20)))
       else if (p%kind == A_REAL) then
          p%text = trim(adjustl(card(11:30)))
       else if (line < deck%block(block)%last) then
          p%text = trim(line_text(deck, line + 1))
+         call parse_integer(trim(card(11:20)), length, status)
+         if (status /= NUMBER_FINE .or. length <= 0) length = len(p%text)
+         p%text = trim(p%text(:min(length, len(p%text))))
       end if
       if (p%name == '') call report_header(deck, block, SEV_ERROR, 'KJ-9403', &
          'the parameter has no name', 'expected: a name in columns 1 to 10 of its card')
@@ -236,8 +242,8 @@ contains
 
    !> The text of a line with values in the place of names
    !>
-   !> A value goes into the ten columns of the name, right-justified, and on to the right or left
-   !> where a longer one finds blanks.
+   !> A value goes into the ten columns of the name, right-justified. A longer one goes on to the
+   !> right, or comes from the left where the name ends its ten columns; without room it is stars.
    subroutine replace_names(list, line, text)
       type(parameters_t), intent(inout) :: list
       integer, intent(in) :: line                !! index in deck
@@ -281,27 +287,28 @@ contains
       integer, intent(in) :: last
       character(len=*), intent(in) :: value
 
-      integer :: cell, from, room
+      integer :: begin, cell, before
 
-      if (index(text, ',') > 0) then
+      if (index(text, ',') > 0 .or. len(value) > 20) then
          text = text(:at - 1)//value//text(last + 1:)
          at = at + len(value) - 1
          return
       end if
       cell = 10*((last - 1)/10 + 1)              ! last column of the ten in which the name ends
-      from = max(len_trim(text(:at - 1)) + 1, cell - 19, 1)
-      if (len(text) < cell) text = text//repeat(' ', cell - len(text))
-      text(at:last) = ' '
-      if (len(value) <= cell - from + 1) then
-         at = cell
-      else
-         room = verify(text(cell + 1:)//'&', ' ') - 1
-         if (room == len(text) - cell) room = 1000
-         at = from + len(value) - 1
-         if (at > cell + room) at = cell + room
-         if (len(text) < at) text = text//repeat(' ', at - len(text))
+      begin = cell - 9
+      if (len(text) < cell + 10) text = text//repeat(' ', cell + 10 - len(text))
+      before = len_trim(text(:at - 1))
+      if (text(cell + 1:cell + 10) == '' .and. len(value) > 10 .and. &
+         (at == begin .or. last < cell .or. before > begin - 11 .or. begin == 1)) then
+         cell = begin + len(value) - 1           ! on to the right
       end if
-      text(max(1, at - len(value) + 1):at) = value
+      text(at:last) = ' '
+      at = cell
+      if (cell - len(value) >= before) then
+         text(cell - len(value) + 1:cell) = value
+      else
+         text(before + 1:cell) = repeat('*', cell - before)
+      end if
    end subroutine put_value
 
    !> A parameter that no field and no expression names

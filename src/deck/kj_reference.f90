@@ -65,7 +65,7 @@ contains
       if (index(keywords(row)%name, '/MAT') == 1) family = OF_MATERIAL
       if (index(keywords(row)%name, '/PROP') == 1) family = OF_PROPERTY
       if (keywords(row)%name == '//SUBMODEL') family = OF_SUBMODEL
-      if (any(keywords(row)%name == [character(len=20) :: '/UNIT', '/PARAMETER'])) &
+      if (index(keywords(row)%name, '/UNIT') == 1 .or. keywords(row)%name == '/PARAMETER') &
          family = OF_NOTHING
    end function named_by_header
 

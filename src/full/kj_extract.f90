@@ -6,15 +6,15 @@
 !> One file: the sections of one file, in their order.
 module kj_extract
    use kj_kinds, only: wp
-   use kj_error, only: str
+   use kj_error, only: str, SEV_NOTE
    use kj_version, only: KJOINT_VERSION
    use kj_sort, only: find
    use kj_sha256, only: sha256
-   use kj_keywords, only: keywords, HEAD_ID, HEAD_TYPE_ID, KW_BEGIN, KW_TITLE, KW_UNIT, KW_ANALY, &
+   use kj_keywords, only: keywords, HEAD_ID, HEAD_TYPE_ID, KW_BEGIN, KW_TITLE, KW_ANALY, &
       KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, &
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
       KW_FRAME_NOD
-   use kj_deck_text, only: deck_t, line_text, first_card, title_of
+   use kj_deck_text, only: deck_t, line_text, first_card, title_of, report_header
    use kj_card_text, only: real_field, integer_field
    use kj_card_lists, only: th_t, read_th
    use kj_draft, only: draft_t
@@ -82,8 +82,7 @@ contains
       integer, intent(in) :: unit
       type(page_t), intent(inout) :: page
 
-      integer :: block
-      character(len=20) :: si(3)
+      integer :: block, i
 
       call put(page, '#RADIOSS STARTER')
       call put(page, &
@@ -91,18 +90,49 @@ contains
          KJOINT_VERSION)
       call put(page, '# SHA-256 of that deck: '//sha256(deck%source(1)%text))
       do block = 1, deck%n_block
-         if (any(deck%block(block)%keyword == [KW_BEGIN, KW_TITLE, KW_ANALY])) &
-            call copy_block(deck, block, page)
+         if (.not. any(deck%block(block)%keyword == [KW_BEGIN, KW_TITLE, KW_ANALY])) cycle
+         if (deck%block(block)%keyword == KW_BEGIN) call write_begin(deck, block, page)
+         if (deck%block(block)%keyword /= KW_BEGIN) call copy_block(deck, block, page)
       end do
-      do block = 1, deck%n_block
-         if (deck%block(block)%keyword == KW_UNIT) call copy_block(deck, block, page)
+      do i = 1, deck%n_unit
+         call put(page, '/UNIT'//suffix(deck%unit_id(i)))
+         call put(page, 'units')
+         call put(page, triple(deck%unit(i)%si))
       end do
       if (unit == 0) return
-      si = [real_field(deck%work%si(1)), real_field(deck%work%si(2)), real_field(deck%work%si(3))]
       call put(page, '/UNIT'//suffix(unit))
       call put(page, 'work units')
-      call put(page, si(1)//si(2)//si(3))
+      call put(page, triple(deck%work%si))
    end subroutine write_head
+
+   !> /BEGIN, with units where it has none: /UNIT/LENGTH/mm and its like say them
+   subroutine write_begin(deck, block, page)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block
+      type(page_t), intent(inout) :: page
+
+      integer :: line
+
+      call put_header(page, deck, block)
+      do line = deck%block(block)%first, deck%block(block)%first + 3
+         if (line <= deck%block(block)%last) then
+            if (line < deck%block(block)%first + 2 .or. line_text(deck, line) /= '') then
+               call put_copy(page, deck, line)
+               cycle
+            end if
+         end if
+         call put(page, triple(merge(deck%input%si, deck%work%si, &
+            line < deck%block(block)%first + 3)))
+      end do
+   end subroutine write_begin
+
+   !> Three numbers on a card
+   pure function triple(x) result(text)
+      real(wp), intent(in) :: x(3)
+      character(len=60) :: text
+
+      text = real_field(x(1))//real_field(x(2))//real_field(x(3))
+   end function triple
 
    pure integer function name_length(path) result(n)
       character(len=*), intent(in) :: path
@@ -183,8 +213,7 @@ contains
          if (.not. keep%node(i)) cycle
          x = draft%x(i, :)
          if (draft%main_of(i) > 0) x = model%x0(draft%main_of(i), :)
-         call put(page, integer_field(draft%id(i))//real_field(x(1))//real_field(x(2))// &
-            real_field(x(3)))
+         call put(page, integer_field(draft%id(i))//triple(x))
       end do
    end subroutine write_nodes
 
@@ -217,8 +246,8 @@ contains
             integer_field(merge(1, 3, model%ispher(b) == 1))// &
             real_field(model%mass(b) - spring_mass(main))//integer_field(next)// &
             integer_field(0)//integer_field(4)//integer_field(0))
-         call put(page, real_field(j(1, 1))//real_field(j(2, 2))//real_field(j(3, 3)))
-         call put(page, real_field(j(1, 2))//real_field(j(2, 3))//real_field(j(1, 3)))
+         call put(page, triple([j(1, 1), j(2, 2), j(3, 3)]))
+         call put(page, triple([j(1, 2), j(2, 3), j(1, 3)]))
          call put(page, integer_field(0)//integer_field(0)//integer_field(0))
          call write_group(draft, next, 'nodes of body '//str(model%body_id(b)), node, page)
          next = next + 1
@@ -355,9 +384,9 @@ contains
 
       call put(page, header)
       call put(page, title)
-      call put(page, real_field(origin(1))//real_field(origin(2))//real_field(origin(3)))
-      call put(page, real_field(axes(4))//real_field(axes(5))//real_field(axes(6)))
-      call put(page, real_field(axes(7))//real_field(axes(8))//real_field(axes(9)))
+      call put(page, triple(origin))
+      call put(page, triple(axes(4:6)))
+      call put(page, triple(axes(7:9)))
    end subroutine put_axes
 
    !> Functions and sensors that something kept names
@@ -413,8 +442,10 @@ contains
 
       type(th_t) :: th
       logical, allocatable :: there(:)
-      integer :: block, k, i
+      integer :: block, k, i, lost, at
 
+      lost = 0
+      at = 0
       do block = 1, draft%deck%n_block
          if (all(draft%deck%block(block)%keyword /= [KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY])) cycle
          call read_th(draft%deck, block, th)
@@ -429,8 +460,13 @@ contains
             end if
          end do
          if (any(there) .or. th%all) call write_request(draft%deck, block, th, there, page)
+         lost = lost + count(.not. there)
+         if (at == 0 .and. lost > 0) at = block
          deallocate (there)
       end do
+      if (lost > 0) call report_header(draft%deck, at, SEV_NOTE, 'KJ-9430', &
+         'requests of nodes and springs that are not in the mechanism are left out', &
+         str(lost)//' from here on')
    end subroutine write_requests
 
    !> The names of a request, and the cards of its objects that are there

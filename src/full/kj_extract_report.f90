@@ -3,9 +3,10 @@
 module kj_extract_report
    use kj_kinds, only: wp
    use kj_text, only: text_t
-   use kj_sort, only: find_root
+   use kj_error, only: str, SEV_WARNING
+   use kj_sort, only: find, find_root
    use kj_keywords, only: keywords, KW_SPRING, KW_GRAV, KW_CLOAD, KW_KJOINT, KW_KJOINT2
-   use kj_deck_text, only: title_of
+   use kj_deck_text, only: title_of, report_header
    use kj_draft, only: draft_t
    use kj_model, only: model_t
    use kj_element_cards, only: element_row, element_cards
@@ -68,6 +69,14 @@ module kj_extract_report
       type(lost_part_t), allocatable :: lost(:)  !! heaviest first, at most five
    end type extract_report_t
 
+   !> Where the elements lie, springs left out: part by part
+   type :: survey_t
+      integer :: n(size(element_cards)) = 0      !! elements of each kind
+      integer, allocatable :: n_node(:), n_lost(:)   !! (parts) their nodes, those in no body
+      integer, allocatable :: n_spanning(:)      !! (parts) that touch a body and something else
+      integer, allocatable :: body(:, :)         !! (2, parts) a body and another that one spans
+   end type survey_t
+
 contains
 
    !> Count and weigh
@@ -79,15 +88,18 @@ contains
       real(wp), intent(in) :: element_mass(:)    !! (n_node)
       type(extract_report_t), intent(out) :: report
 
+      type(survey_t) :: seen
+
       report%symbol = draft%deck%work%symbol
       call tell_bodies(draft, model, element_mass, report)
       call tell_counts(draft, keep, report)
       call tell_mass(draft, model, keep, report)
       call tell_links(draft, keep, report)
-      call tell_dropped(draft, report)
-      call tell_bridges(draft, scales, report)
-      call tell_lost_parts(draft, scales, report)
-      call find_acts(draft, report%acts)
+      call survey(draft, seen)
+      call tell_dropped(draft, seen, report)
+      call tell_bridges(draft, scales, seen, report)
+      call tell_lost_parts(draft, scales, seen, report)
+      call find_acts(draft, keep, report%acts)
    end subroutine new_report
 
    !> Mass, centre and inertia of the bodies, and where the mass comes from
@@ -212,31 +224,74 @@ contains
       end function place
    end subroutine tell_links
 
-   !> Elements by kind, and blocks that are not in the mechanism by keyword
-   subroutine tell_dropped(draft, report)
+   !> Read each element once more, now that the bodies are known
+   subroutine survey(draft, seen)
       type(draft_t), intent(inout) :: draft
+      type(survey_t), intent(out) :: seen
+
+      type(element_t) :: e
+      integer :: block, n
+
+      n = size(draft%part_block)
+      allocate (seen%n_node(n), seen%n_lost(n), seen%n_spanning(n), seen%body(2, n), source=0)
+      do block = 1, draft%deck%n_block
+         if (element_row(draft%deck%block(block)%keyword) == 0) cycle
+         if (draft%deck%block(block)%keyword == KW_SPRING) cycle
+         call first_element(draft, block, e)
+         do
+            call next_element(draft, e)
+            if (e%row == 0) exit
+            seen%n(e%row) = seen%n(e%row) + 1
+            if (e%part > 0) call survey_element(draft, e, seen)
+         end do
+      end do
+   end subroutine survey
+
+   subroutine survey_element(draft, e, seen)
+      type(draft_t), intent(in) :: draft
+      type(element_t), intent(in) :: e
+      type(survey_t), intent(inout) :: seen
+
+      integer :: i, body, first, second, n, n_lost
+
+      first = 0
+      second = 0
+      n = 0
+      n_lost = 0
+      do i = 1, element_cards(e%row)%members
+         if (e%raw(i) == 0) cycle
+         n = n + 1
+         body = body_of(draft, e%raw(i))
+         if (body == 0) n_lost = n_lost + 1
+         if (body > 0 .and. first == 0) first = body
+         if (body > 0 .and. body /= first) second = body
+      end do
+      seen%n_node(e%part) = seen%n_node(e%part) + n
+      seen%n_lost(e%part) = seen%n_lost(e%part) + n_lost
+      if (first == 0 .or. (second == 0 .and. n_lost == 0)) return
+      seen%n_spanning(e%part) = seen%n_spanning(e%part) + 1
+      associate (pair => seen%body(:, e%part))
+         if (pair(2) == 0 .and. second > 0) pair = [first, second]
+         if (pair(1) == 0) pair(1) = first
+      end associate
+   end subroutine survey_element
+
+   !> Elements by kind, and blocks that are not in the mechanism by keyword
+   subroutine tell_dropped(draft, seen, report)
+      type(draft_t), intent(in) :: draft
+      type(survey_t), intent(in) :: seen
       type(extract_report_t), intent(inout) :: report
 
-      integer :: block, row, n, i
-      type(element_t) :: e
+      integer :: i
 
       allocate (report%elements(0), report%others(0))
-      do block = 1, draft%deck%n_block
-         associate (b => draft%deck%block(block))
-            row = element_row(b%keyword)
-            if (b%row == 0) cycle
-            if (row > 0 .and. b%keyword /= KW_SPRING) then
-               n = 0
-               call first_element(draft, block, e)
-               do
-                  call next_element(draft, e)
-                  if (e%row == 0) exit
-                  n = n + 1
-               end do
-               call count_up(report%elements, element_cards(row)%name, n)
-            else if (b%keyword == 0) then
-               call count_up(report%others, keywords(b%row)%name, 1)
-            end if
+      do i = 1, size(seen%n)
+         if (seen%n(i) > 0) call count_up(report%elements, element_cards(i)%name, seen%n(i))
+      end do
+      do i = 1, draft%deck%n_block
+         associate (b => draft%deck%block(i))
+            if (b%row > 0 .and. b%keyword == 0) call count_up(report%others, &
+               keywords(b%row)%name, 1)
          end associate
       end do
       do i = 1, draft%elements%n
@@ -262,59 +317,48 @@ contains
    end subroutine count_up
 
    !> Elements that touch a body and something else: part by part
-   subroutine tell_bridges(draft, scales, report)
+   subroutine tell_bridges(draft, scales, seen, report)
       type(draft_t), intent(inout) :: draft
       type(scales_t), intent(in) :: scales
+      type(survey_t), intent(in) :: seen
       type(extract_report_t), intent(inout) :: report
 
-      type(element_t) :: e
       type(bridge_t) :: b
-      integer :: block, part, first, second, i, body
-      logical :: other
+      integer :: part, n
 
+      report%n_spanning = sum(seen%n_spanning)
       allocate (report%bridge(0))
       do part = 1, size(draft%part_block)
+         if (seen%n_spanning(part) == 0) cycle
          b = bridge_t()
          b%part = draft%deck%block(draft%part_block(part))%id
-         do block = 1, draft%deck%n_block
-            if (element_row(draft%deck%block(block)%keyword) == 0) cycle
-            if (draft%deck%block(block)%keyword == KW_SPRING) cycle
-            if (draft%deck%block(block)%id /= b%part) cycle
-            call first_element(draft, block, e)
-            do
-               call next_element(draft, e)
-               if (e%row == 0) exit
-               first = 0
-               second = 0
-               other = .false.
-               do i = 1, element_cards(e%row)%members
-                  if (e%raw(i) == 0) cycle
-                  body = body_of(draft, e%raw(i))
-                  if (body == 0) other = .true.
-                  if (body > 0 .and. first == 0) first = body
-                  if (body > 0 .and. body /= first) second = body
-               end do
-               if (first == 0 .or. (second == 0 .and. .not. other)) cycle
-               b%n = b%n + 1
-               if (b%body(2) == 0 .and. second > 0) b%body = report%body_id([first, second])
-               if (b%body(1) == 0) b%body(1) = report%body_id(first)
-            end do
-         end do
-         if (b%n == 0) cycle
-         report%n_spanning = report%n_spanning + b%n
+         b%n = seen%n_spanning(part)
          b%title%s = title_of(draft%deck, draft%part_block(part))
          if (scales%part_material(part) > 0) &
             b%void = scales%material(scales%part_material(part))%void
-         if (b%body(2) > 0) b%alone = report%group(findloc(report%body_id, b%body(1), 1)) /= &
-            report%group(findloc(report%body_id, b%body(2), 1)) .and. .not. b%void
+         associate (first => seen%body(1, part), second => seen%body(2, part))
+            b%body(1) = report%body_id(first)
+            if (second > 0) then
+               b%body(2) = report%body_id(second)
+               b%alone = report%group(first) /= report%group(second) .and. .not. b%void
+            end if
+         end associate
          report%bridge = [report%bridge, b]
       end do
+      n = count(report%bridge%alone)
+      if (n == 0) return
+      b = report%bridge(findloc(report%bridge%alone, .true., 1))
+      call report_header(draft%deck, draft%part_block(find(draft%part, b%part)), SEV_WARNING, &
+         'KJ-9429', 'bodies '//str(b%body(1))//' and '//str(b%body(2))//' are held together by '// &
+         str(b%n)//' elements of this part alone: in the mechanism they fall apart', &
+         str(n)//' parts of this kind')
    end subroutine tell_bridges
 
    !> The five heaviest parts with mass outside of bodies
-   subroutine tell_lost_parts(draft, scales, report)
-      type(draft_t), intent(inout) :: draft
+   subroutine tell_lost_parts(draft, scales, seen, report)
+      type(draft_t), intent(in) :: draft
       type(scales_t), intent(in) :: scales
+      type(survey_t), intent(in) :: seen
       type(extract_report_t), intent(inout) :: report
 
       integer :: k
@@ -323,7 +367,7 @@ contains
       real(wp), allocatable :: mass(:)
 
       allocate (report%lost(0), mass(size(draft%part_block)))
-      mass = scales%part_mass*lost_share(draft, scales)
+      mass = scales%part_mass*real(seen%n_lost, wp)/real(max(1, seen%n_node), wp)
       do k = 1, min(5, size(mass))
          part = maxloc(mass)
          if (.not. mass(part(1)) > 0.0_wp) exit
@@ -334,34 +378,5 @@ contains
          mass(part(1)) = 0.0_wp
       end do
    end subroutine tell_lost_parts
-
-   !> Share of the nodes of a part that are in no body
-   function lost_share(draft, scales) result(share)
-      type(draft_t), intent(inout) :: draft
-      type(scales_t), intent(in) :: scales
-      real(wp) :: share(size(scales%part_mass))
-
-      type(element_t) :: e
-      integer :: block, n(size(share)), lost(size(share)), i
-
-      n = 0
-      lost = 0
-      do block = 1, draft%deck%n_block
-         if (element_row(draft%deck%block(block)%keyword) == 0) cycle
-         if (draft%deck%block(block)%keyword == KW_SPRING) cycle
-         call first_element(draft, block, e)
-         if (e%part == 0) cycle
-         do
-            call next_element(draft, e)
-            if (e%row == 0) exit
-            do i = 1, element_cards(e%row)%members
-               if (e%raw(i) == 0) cycle
-               n(e%part) = n(e%part) + 1
-               if (body_of(draft, e%raw(i)) == 0) lost(e%part) = lost(e%part) + 1
-            end do
-         end do
-      end do
-      share = real(lost, wp)/real(max(1, n), wp)
-   end function lost_share
 
 end module kj_extract_report

@@ -22,6 +22,7 @@ module kj_full_material
       logical :: elastic = .false.               !! nu is known
       real(wp) :: nu = 0.0_wp
       logical :: void = .false.                  !! its elements have no stiffness
+      logical :: rigid = .false.                 !! they are rigid bodies
    end type material_t
 
    !> Laws whose density is not on the first card, or none of ours
@@ -29,9 +30,7 @@ module kj_full_material
       'MULTIFLUID', 'LAW51', 'MULTIMAT', 'LAW37', 'BIPHAS', 'PLAS_PREDE', 'LAW108', 'SPR_GENE', &
       'LAW113', 'SPR_BEAM', 'LAW114', 'LAW135', 'LAW13', 'RIGID']
    !> Laws without any
-   character(len=10), parameter :: NONE(*) = [character(len=10) :: 'GAS', 'USER1', 'USER2', &
-      'USER3', &
-      'LAW29', 'LAW30', 'LAW31']
+   character(len=10), parameter :: NONE(*) = [character(len=10) :: 'GAS', 'LAW29', 'LAW30', 'LAW31']
    !> Laws whose second card begins with E and nu
    character(len=10), parameter :: ELASTIC(*) = [character(len=10) :: 'LAW1', 'LAW01', 'ELAST', &
       'LAW2', 'LAW02', 'PLAS_JOHNS', 'LAW36', 'PLAS_TAB', 'LAW44', 'COWPER', 'LAW27', 'PLAS_BRIT', &
@@ -78,7 +77,8 @@ contains
       law = kind_word(draft, block)
       material%void = draft%deck%block(block)%keyword == KW_MAT_VOID
       material%known = all(OTHERS /= law)
-      if (.not. material%known .or. any(NONE == law)) return
+      material%rigid = law == 'LAW13' .or. law == 'RIGID'
+      if (.not. material%known .or. any(NONE == law) .or. index(law, 'USER') == 1) return
       factor = block_factors(draft%deck, block)
       call card_real(draft%deck, block, 1, 1, factor(D_DENSITY), material%density)
       material%elastic = any(ELASTIC == law)

@@ -5,9 +5,9 @@ module kj_keep
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_sort, only: lookup_t, find, find_root
-   use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_BCS, KW_GRAV, KW_CLOAD, KW_IMPVEL, &
-      KW_IMPDISP, &
-      KW_IMPACC, KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS, KW_TH_NODE
+   use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_BCS, KW_GRAV, &
+      KW_CLOAD, KW_IMPVEL, KW_IMPDISP, KW_IMPACC, &
+      KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS, KW_TH_NODE
    use kj_deck_text, only: first_card, report_header, line_text
    use kj_card_lists, only: th_t, read_th
    use kj_card_cut, only: cut_t, cut_card
@@ -121,9 +121,26 @@ contains
          call mark_line(draft, draft%elements%card(i)%block, draft%elements%card(i)%line, keep)
       end do
       do i = 1, size(keep%property)
-         if (keep%property(i)) call mark_block(draft, draft%property_block(i), keep)
+         if (.not. keep%property(i)) cycle
+         call mark_block(draft, draft%property_block(i), keep)
+         call mark_ranks(draft, draft%property_block(i), keep)
       end do
    end subroutine keep_springs
+
+   !> TYPE4 springs with fct3 count the functions up to it: docs/theory/legacy.md 5.2
+   subroutine mark_ranks(draft, block, keep)
+      type(draft_t), intent(inout) :: draft
+      integer, intent(in) :: block
+      type(keep_t), intent(inout) :: keep
+
+      type(cards_t) :: cards
+
+      if (draft%deck%block(block)%keyword /= KW_SPRING4) return
+      call read_cards(draft%deck, block, cards)
+      associate (c => draft%curve)
+         keep%curve(pack(c%place, c%id <= int_of(cards, 'fct3'))) = .true.
+      end associate
+   end subroutine mark_ranks
 
    !> The part of an element has a property that is read
    pure logical function is_known(draft, i)

@@ -6,7 +6,7 @@ module kj_mechanism
    use kj_error, only: finding_list_t
    use kj_sort, only: find
    use kj_keywords, only: KW_SPRING
-   use kj_deck_text, only: deck_t, source_t
+   use kj_deck_text, only: deck_t, source_t, add_source
    use kj_deck, only: read_deck
    use kj_parameter, only: setting_t
    use kj_draft, only: draft_t
@@ -34,7 +34,8 @@ contains
       character(len=*), intent(in) :: path
       type(setting_t), intent(in) :: settings(:) !! parameters from outside
       type(finding_list_t), intent(in) :: findings
-      type(deck_t), intent(inout) :: deck        !! a new one; its findings are those of both decks
+      !> a new one, but for ignore_random; its findings are those of both decks
+      type(deck_t), intent(inout) :: deck
       type(extract_report_t), intent(out) :: report
 
       type(draft_t) :: draft
@@ -46,11 +47,14 @@ contains
       integer :: i
 
       draft%deck%findings = findings
+      draft%deck%ignore_random = deck%ignore_random
       call read_deck(path, draft%deck, full=.true., settings=settings)
-      if (draft%deck%readable) call build_full_draft(draft, scales, element_mass, model)
+      if (draft%deck%readable) then
+         call build_full_draft(draft, scales, element_mass, model)
+         call check_unweighed(draft, scales)
+      end if
       if (draft%deck%findings%n_error == count_late(draft%deck%findings) .and. &
          draft%deck%readable) then
-         call check_unweighed(draft, scales)
          call decide(draft, element_mass, keep)
          call weigh_kept_springs(draft, scales, keep, spring_mass, spring_inertia)
          call new_page(page)
@@ -121,7 +125,9 @@ contains
       source%text = page%text(:page%n)
       call read_deck(path, deck, source=source)
       first = deck%n_source
-      call add_sources(full, deck)
+      do i = 1, full%n_source
+         call add_source(deck, full%source(i), k)
+      end do
       do i = 1, deck%n_line
          if (deck%line_source(i) /= 1) cycle
          k = page%origin(deck%line_number(i))
@@ -143,31 +149,5 @@ contains
 
       is_header = any(deck%block(:deck%n_block)%header == line)
    end function is_header
-
-   !> Append the files of a deck to another, without a copy
-   subroutine add_sources(from, to)
-      type(deck_t), intent(inout) :: from, to
-
-      type(source_t), allocatable :: all(:)
-      integer :: i, n
-
-      n = to%n_source
-      allocate (all(n + from%n_source))
-      do i = 1, size(all)
-         if (i <= n) call move_source(to%source(i), all(i))
-         if (i > n) call move_source(from%source(i - n), all(i))
-      end do
-      call move_alloc(all, to%source)
-      to%n_source = size(to%source)
-   end subroutine add_sources
-
-   pure subroutine move_source(from, to)
-      type(source_t), intent(inout) :: from, to
-
-      to%role = from%role
-      to%used = from%used
-      call move_alloc(from%path, to%path)
-      call move_alloc(from%text, to%text)
-   end subroutine move_source
 
 end module kj_mechanism

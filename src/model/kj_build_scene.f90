@@ -254,7 +254,9 @@ contains
          case (KW_RANDOM)
             call read_cards(deck, i, cards)
             if (abs(real_of(cards, 'Xalea')) > 0.0_wp) call report(deck, cards, 'Xalea', &
-               SEV_ERROR, 'KJ-9149', 'disturbed coordinates are not supported', 'expected: 0')
+               merge(SEV_WARNING, SEV_ERROR, deck%ignore_random), 'KJ-9149', &
+               'disturbed coordinates are not supported', 'expected: 0', hint= &
+               'set Xalea to 0 in both programs; --ignore-random runs without the disturbance')
          end select
       end do
    end subroutine check_analysis
@@ -292,9 +294,6 @@ contains
          if (int_of(cards, 'prop_id') == 0) call report(draft%deck, cards, 'prop_id', SEV_ERROR, &
             'KJ-0178', 'the part has no property', 'expected: id of a property')
          place = reference(draft%deck, cards, 'mat_id', material, 'material', 'KJ-0179')
-         if (int_of(cards, 'Irigid') /= 0) call report(draft%deck, cards, 'Irigid', SEV_ERROR, &
-            'KJ-9131', 'rigid parts are not supported', 'expected: 0', &
-            hint='put the nodes of the part into a /RBODY')
       end do
       call read_elements(draft)
       call check_element_parts(draft)

@@ -19,8 +19,9 @@ BASE = dict(ignore_unsupported=1)
 # another value of each option, which changes the bits of the samples, or ends with a status
 OTHER = dict(formulation="legacy", integrator="liemid", dt_rule="nodal", dt_scale=0.3,
              dt_max_scale=0.01, until=0.01, sample=0.01, energy_limit=1e-12, kn_scale=0.5,
-             kn="inf", error=1e-6, turn=0.001, fast=1, ignore_unsupported=0, mechanism=1,
-             set="gone=1", joint="1.Cr=0.5", threads=2, least_share=1, islands=1, force=1)
+             kn="inf", error=1e-6, turn=0.001, fast=1, ignore_unsupported=0, ignore_random=1,
+             mechanism=1, set="gone=1", joint="1.Cr=0.5", threads=2, least_share=1, islands=1,
+             force=1)
 # these go with the integrator compliant alone
 BESIDE = dict.fromkeys(("kn", "error", "turn"), dict(integrator="compliant"))
 # the deck is all mechanism: what is out of scope there is left out with it or without
@@ -28,8 +29,8 @@ MECHANISM = ("mechanism",)
 STATUS = dict(energy_limit=1, ignore_unsupported=2, set=2)
 # these two change the number of threads and no bit; what a scene of three bodies needs beside them
 THREADS = dict(threads=dict(least_share=1), least_share=dict(threads=2))
-# and these no short run: cli/test_cli.py has what force is for
-UNSEEN = {*THREADS, *MECHANISM, "force"}
+# and these no run of this deck: cli/test_cli.py has what force is for, full/check_cards.py ignore_random
+UNSEEN = {*THREADS, *MECHANISM, "force", "ignore_random"}
 
 
 def text_of(options):

@@ -2,7 +2,7 @@
 !>
 !> usage: fuzz COUNT SEED DECK_0000.rad ...
 !>
-!> The deck under way is fuzz_0000.rad with fuzz_0001.rad in the current folder: after a crash they
+!> Of a deck in a folder full the mechanism is taken out. The deck under way is fuzz_0000.rad with fuzz_0001.rad in the current folder: after a crash they
 !> are the proof. The same count, seed and decks change the same things.
 program fuzz_main
    use, intrinsic :: iso_fortran_env, only: output_unit
@@ -11,6 +11,9 @@ program fuzz_main
    use kj_system, only: thread_clock
    use kj_deck, only: read_deck
    use kj_deck_text, only: source_t
+   use kj_parameter, only: setting_t
+   use kj_mechanism, only: take_mechanism
+   use kj_extract_report, only: extract_report_t
    use kj_engine, only: engine_t, read_engine
    use kj_model, only: model_t
    use kj_build, only: build_model
@@ -29,6 +32,7 @@ program fuzz_main
 
    type :: text_t
       character(len=:), allocatable :: starter, engine
+      logical :: full = .false.
    end type text_t
 
    type(text_t), allocatable :: decks(:)
@@ -82,6 +86,7 @@ contains
       do k = 1, n
          call get_command_argument(k + 2, word)
          call load_text(trim(word), decks(k)%starter)
+         decks(k)%full = index(word, '/full/') > 0
          call load_text(word(:index(word, '_0000.rad'))//'0001.rad', decks(k)%engine)
       end do
    end subroutine read_arguments
@@ -96,6 +101,7 @@ contains
       type(source_t) :: source
       type(model_t) :: model
       type(finding_list_t) :: findings
+      type(extract_report_t) :: report
       character(len=:), allocatable :: starter, controls
       integer :: k, n
 
@@ -112,7 +118,11 @@ contains
       end do
       call save_text('fuzz_0000.rad', starter)
       call save_text('fuzz_0001.rad', controls)
-      call read_deck('fuzz_0000.rad', draft%deck, below(random, 4) == 1)
+      if (decks(k)%full) then
+         call take_mechanism('fuzz_0000.rad', [setting_t ::], findings, draft%deck, report)
+      else
+         call read_deck('fuzz_0000.rad', draft%deck, below(random, 4) == 1)
+      end if
       call read_engine('fuzz_0001.rad', engine, source, draft%deck%findings)
       if (draft%deck%findings%n_error == 0) read_well = read_well + 1
       if (draft%deck%readable) call build_model(draft, engine, model, below(random, 2) == 1)

@@ -22,7 +22,7 @@ module fuzz_text
       '''', achar(9), achar(0), char(255), '1000000000000000000', '0.1', '1.0', '1.e6', 'X', 'YY', &
       'ZZ', 'NODE', 'SET', 'NODE_G', 'DEF', 'ALL']
 
-   character(len=24), parameter :: HEADERS(*) = [character(len=24) :: '/END', '/BEGIN', '/NODE', &
+   character(len=32), parameter :: HEADERS(*) = [character(len=32) :: '/END', '/BEGIN', '/NODE', &
       '/PART/1', '/RBODY/1', '/RBODY/2', '/FUNCT/1', '/SPRING/5', '/PROP/KJOINT/5', &
       '/PROP/KJOINT2/5', '/PROP/TYPE4/5', '/PROP/TYPE8/5', '/SKEW/MOV/1', '/SKEW/FIX/1', &
       '/GRNOD/GRNOD/1', &
@@ -30,7 +30,11 @@ module fuzz_text
       '/MOVE_FUNCT/1', '/TH/NODE/1', '/TH/RBODY/1', '/TH/SPRING/1', '/ADMAS/5/1', '/ADMAS/0/1', &
       '/BCS/1', '/CLOAD/1', '/IMPDISP/1', '/IMPVEL/1', '/INIVEL/AXIS/1', '/SENSOR/TIME/1', &
       '/FRAME/NOD/1', '/GRAV/1', '/MAT/LAW1/1', '#include fuzz.inc', '/nonsense', '//SUBMODEL/1', &
-      '/']
+      '//ENDSUB', '/SHELL/1', '/SH3N/1', '/BRICK/1', '/TETRA10/1', '/BEAM/1', '/SURF/PART/1', &
+      '/SURF/SURF/1', '/GRBRIC/PART/1', '/GRSHEL/GRSHEL/1', '/SUBSET/1', '/LINE/EDGE/1', &
+      '/TRANSFORM/ROT/1', '/TRANSFORM/POSITION/1', '/PARAMETER/LOCAL/REAL/1', &
+      '/PARAMETER/LOCAL/INT_EXPR', '/RBE2/1', '/GRNOD/SURF/1001', '/GRNOD/SUBSET/1001', &
+      '/ADMAS/3/1', '/PROP/SHELL/1', '/PROP/SH_SANDW/1', '/INTER/TYPE7/1', '/']
 
 contains
 

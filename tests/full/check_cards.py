@@ -1,0 +1,217 @@
+#!/usr/bin/env python3
+"""Cards of full decks, each in a small deck of its own: what they do to a body, and what is said of them.
+
+usage: check_cards.py KJOINT
+
+The body of most decks is a square shell of 2 x 2 at z = 0, thickness 0.5, density 3: mass 6, centre (1, 1, 0)."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+UNITS = f"{'kg':>20}{'m':>20}{'s':>20}\n"
+ENGINE = "/RUN/deck/1\n0.1\n/TFILE/1\n0.05\n/DT/NODA\n0.9 0\n"
+
+
+def real(*values):
+    return "".join(f"{v:20.9g}" for v in values)
+
+
+def ints(*values):
+    return "".join(f"{v:10d}" for v in values)
+
+
+def node(number, *x):
+    return ints(number) + real(*x) + "\n"
+
+
+SQUARE = node(1, 0, 0, 0) + node(2, 2, 0, 0) + node(3, 2, 2, 0) + node(4, 0, 2, 0)
+# a second shell beside it, of part 2, which belongs to no body
+BESIDE = node(5, 4, 0, 0) + node(6, 4, 2, 0)
+
+
+def deck(more="", version=2022, units=2*UNITS, rho=real(3.0), prop=None, body=None, nodes="", group=None, mat="/MAT/LAW1/1"):
+    prop = prop or "/PROP/SHELL/1\nshell\n" + ints(24) + "\n\n" + ints(3, 0) + real(0.5) + "\n"
+    body = body or ("/RBODY/1\nbody\n" + ints(100, 0, 0, 0) + real(0) + ints(1, 0, 1, 0) + "\n\n\n")
+    return (f"/BEGIN\ndeck\n{version:10d}         0\n{units}" + nodes + more + "/NODE\n" + SQUARE + node(100, 1, 1, 1)
+            + f"{mat}\nm\n{rho}\n" + real(210, 0.3) + "\n" + prop + "/PART/1\np\n" + ints(1, 1, 0) + "\n"
+            + "/SHELL/1\n" + ints(1, 1, 2, 3, 4) + "\n" + (group or "/GRNOD/PART/1\ng\n" + ints(1) + "\n") + body + "/END\n")
+
+
+PARTNER = ("/NODE\n" + BESIDE + node(200, 9, 9, 9) + node(201, 9, 9, 8) + node(202, 9, 8, 9) + "/PART/2\nq\n" + ints(1, 1, 0)
+           + "\n/SHELL/2\n" + ints(2, 2, 5, 6, 3) + "\n/GRNOD/NODE/50\nof the body\n" + ints(1, 2, 3) + "\n/GRNOD/NODE/51\nof none\n"
+           + ints(200, 201, 202) + "\n/GRNOD/NODE/52\nits main node\n" + ints(100) + "\n/SURF/PART/60\ns\n" + ints(1)
+           + "\n/SURF/SEG/61\ns\n" + ints(1, 200, 201, 202) + "\n/LINE/SURF/62\nl\n" + ints(60) + "\n/LINE/SEG/63\nl\n"
+           + ints(1, 200, 201) + "\n")
+
+
+class Checks:
+    def __init__(self, kjoint, work):
+        self.kjoint, self.work, self.n, self.wrong = kjoint, pathlib.Path(work), 0, 0
+
+    def extract(self, text, *options, engine=ENGINE, files=()):
+        for name, content in (("full_0000.rad", text), ("full_0001.rad", engine), *files):
+            (self.work/name).unlink(missing_ok=True)
+            if content is not None:
+                (self.work/name).write_text(content)
+        for path in self.work.glob("mech*"):
+            path.unlink()
+        done = subprocess.run([self.kjoint, "extract", self.work/"full_0000.rad", "-o", self.work/"mech_0000.rad", "--json",
+                               *options], capture_output=True, text=True, check=False)
+        return json.loads(done.stdout)
+
+    def check(self, name, right, told):
+        self.n += 1
+        self.wrong += not right
+        if not right:
+            print(f"FAIL  {name}: {told}")
+
+    def body(self, name, text, mass, centre, *options, **files):
+        """The body has this mass and centre, and the deck that is written gives it again."""
+        said = self.extract(text, *options, **files)
+        bodies = said.get("bodies", [])
+        told = [said["exit_code"], bodies, said["findings"]]
+        right = said["exit_code"] == 0 and len(bodies) == 1
+        right = right and abs(bodies[0]["mass"] - mass) < 1e-12*mass
+        self.check(name, right and max(abs(a - b) for a, b in zip(bodies[0]["centre"], centre)) < 1e-12*10, told)
+
+    def says(self, name, text, severity, number, line=None, *options):
+        """There is a finding with this id, and none when number is ''."""
+        said = self.extract(text, *options)["findings"]
+        found = [f for f in said if f["id"] == number and f["severity"] == severity]
+        right = bool(found) if severity else all(f["id"] != number for f in said)
+        self.check(name, right and (line is None or found[0]["line"] == line), said)
+
+
+def masses(c):
+    c.body("as it is", deck(), 6, (1, 1, 0))
+    c.body("single units", deck("/UNIT/MASS/7\nu\n" + f"{'g':>20}\n/UNIT/LENGTH/7\nu\n{'cm':>20}\n", mat="/MAT/LAW1/1/7",
+                                rho=real(3e-3)), 6, (1, 1, 0))                # 3 kg/m^3 = 3e-3 g/cm^3
+    c.body("units in headers", deck("/UNIT/MASS/kg\n/UNIT/LENGTH/m\n/UNIT/TIME/s\n", version=90, units=""), 6, (1, 1, 0))
+    c.body("a rigid part", deck(version=2612, body="#\n", group="#\n").replace(
+        ints(1, 1, 0) + "\n", ints(1, 1, 0) + real(0) + ints(1) + "\n" + ints(100, 0) + real(2.0) + "\n" + real(1, 1, 1) + "\n\n"),
+        8, (1, 1, 0.25))                                                      # 2 more on the main node at z = 1
+    c.body("a main node that is made", deck(body="/RBODY/1\nbody\n" + ints(0, 0, 0, 0) + real(2) + ints(1, 0, 1, 0)
+                                           + "\n" + real(1, 1, 1) + "\n\n"), 8, (0.75, 0.75, 0))   # 2 at the origin
+    c.says("disturbed coordinates", deck("/RANDOM\n" + real(0.01, 0.5) + "\n"), "error", "KJ-9149", 7)
+    c.body("disturbed coordinates, ignored", deck("/RANDOM\n" + real(0.01, 0.5) + "\n"), 6, (1, 1, 0), "--ignore-random")
+    c.body("undisturbed coordinates", deck("/RANDOM\n" + real(0, 0.5) + "\n"), 6, (1, 1, 0))
+
+
+def moves(c):
+    group = "/GRNOD/GENE/5\nn\n" + ints(1, 4) + "\n"
+
+    def move(kind, *cards):
+        return deck(nodes=group + f"/TRANSFORM/{kind}/1\nt\n" + "\n".join(cards) + "\n")
+    gap = 10*" "
+    # mirrored at x = 3: 1 becomes 5
+    c.body("SYM", move("SYM", ints(5) + real(3, 0, 0), gap + real(4, 0, 0)), 6, (5, 1, 0))
+    c.body("SYM at nodes", move("SYM", ints(5) + real(0, 0, 0) + ints(2, 5), gap + real(0, 0, 0)).replace(
+        "/GRNOD/GENE/5", "/NODE\n" + node(5, 4, 0, 0) + "/GRNOD/GENE/5"), 6, (3, 1, 0))   # at x = 2
+    # x becomes y, y becomes -x, the origin (5, 6, 7)
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (5, 6, 7), (5, 7, 7), (4, 6, 7)]
+    c.body("POSITION", move("POSITION", ints(5, 0, 0, 0, 0, 0, 0), *(gap + real(*p) for p in points)), 6, (4, 7, 7))
+    # the points need not stand at right angles or as far apart: the same turn
+    points[2], points[4], points[5] = (1, 2, 0), (5, 9, 7), (3, 7, 7)
+    c.body("POSITION, skew points", move("POSITION", ints(5, 0, 0, 0, 0, 0, 0), *(gap + real(*p) for p in points)), 6, (4, 7, 7))
+    c.body("TRA, then SCA", deck(nodes=group + "/TRANSFORM/TRA/1\nt\n" + ints(5) + real(1, 0, 0) + "\n/TRANSFORM/SCA/2\nt\n"
+                                + ints(5) + real(2, 1, 1) + "\n"), 12, (4, 1, 0))          # ((1 + 1) 2, 1, 0)
+
+
+def parameters(c):
+    def give(kind, name, value, scope="GLOBAL"):
+        return f"/PARAMETER/{scope}/{kind}/1\np\n{name:10}{value}\n"
+    t = "/PROP/SHELL/1\nshell\n" + ints(24) + "\n\n" + ints(3, 0) + "{:>20}\n"
+    c.body("REAL", deck(give("REAL", "t", real(0.25)), prop=t.format("&t")), 3, (1, 1, 0))
+    c.body("a minus", deck(give("REAL", "t", real(-0.25)), prop=t.format("-&t")), 3, (1, 1, 0))
+    c.body("INTEGER", deck(give("INTEGER", "layout", ints(24)), prop=t.format("0.5").replace(ints(24), f"{'&layout':>10}")),
+           6, (1, 1, 0))
+    c.body("expressions", deck(give("REAL_EXPR", "t", "2*sqrt(w)/10^n - 0.15") + give("REAL", "w", real(4)) +
+                               give("INT_EXPR", "n", "3 - 2"), prop=t.format("&t")), 3, (1, 1, 0))      # 0.4 - 0.15
+    c.body("an expression of two cards", deck(give("REAL_EXPR", "t", "0.5*\n0.5"), prop=t.format("&t")), 3, (1, 1, 0))
+    # a name ends its field, begins it or stands in it: longer values go where the field is
+    third = give("REAL_EXPR", "t", "1/3")
+    for where in (f"{'&t':>20}", f"{'&t':20}", f"{'&t':>8}"):
+        c.body(f"in its field: {where}", deck(third, prop=t.format("").rstrip() + where + real(1) + "\n"), 4, (1, 1, 0))
+    c.body("defined behind", deck(prop=t.format("&t"), group="/GRNOD/PART/1\ng\n" + ints(1) + "\n" + give("REAL", "t", real(0.25))),
+           3, (1, 1, 0))
+    # in the included file t is its own 0.25, outside it is 1.0; the shell is described inside
+    inside = ("inside.inc", give("REAL", "t", real(0.25), "LOCAL") + t.format("&t"))
+    outside = give("REAL", "t", real(1)) + "/ADMAS/0/1\nmain node\n{:>20}".format("&t") + ints(9) + "\n/GRNOD/NODE/9\nn\n" + ints(100) + "\n"
+    c.body("LOCAL", deck(outside, prop="#include inside.inc\n"), 4, (1, 1, 0.25), files=[inside])       # 3, and 1 at z = 1
+    c.body("LOCAL in a submodel", deck(outside, prop="//SUBMODEL/1\ns\n" + ints(0, 0, 0, 0, 0, 0, 0) + "\n" + inside[1]
+                                       + "//ENDSUB\n"), 4, (1, 1, 0.25))
+    two = deck(give("REAL", "t", real(9)) + give("REAL", "rho", real(9)), prop=t.format("&t"), rho=f"{'&rho':>20}")
+    c.body("--set a,b", two, 3, (1, 1, 0), "--set", "t=0.25,rho=3")
+    c.body("--set a --set b", two, 3, (1, 1, 0), "--set", "t=0.25", "--set", "rho=3")
+    c.says("--set beyond a real", two, "error", "KJ-9404", 8, "--set", "t=1e400")
+    c.says("--set of no parameter", two, "error", "KJ-9407", None, "--set", "z=1")
+    c.says("nothing reads it", deck(give("REAL", "t", real(9))), "warning", "KJ-9406", 8)
+    c.says("in a circle", deck(give("REAL_EXPR", "a", "b+1") + give("REAL_EXPR", "b", "a+1"), prop=t.format("&a")), "error",
+           "KJ-9405", None)
+    c.says("not defined", deck(prop=t.format("&u")), "error", "KJ-9015", 20)
+
+
+def structure(c):
+    one = deck().replace("/END\n", ENGINE + "/END/ENGINE\n")
+    c.body("one file", one, 6, (1, 1, 0), engine=None)
+    out = c.work/"one.h5"
+    done = subprocess.run([c.kjoint, "run", c.work/"full_0000.rad", "--mechanism", "-q", "-o", out], capture_output=True, text=True,
+                          check=False)
+    c.check("one file runs", done.returncode == 0 and out.exists(), done.stderr)
+    # TYPE4 with fct3 counts the functions up to it: 1 and 2 stay, though nothing names 1
+    line = "/FUNCT/{0}\nf\n" + real(-1, -1) + "\n" + real(1, 1) + "\n"
+    spring = ("/PROP/SPRING/9\ns\n" + real(1) + "\n" + real(1) + "\n" + ints(3, 4, 0, 2, 0) + "\n\n/PART/9\ns\n" + ints(9, 0, 0)
+              + "\n/SPRING/9\n" + ints(9, 1, 200) + "\n/ADMAS/0/1\nm\n" + real(1) + ints(52) + "\n")
+    c.extract(deck(PARTNER.replace("its main node\n" + ints(100), "a free node\n" + ints(200)) + spring
+                   + "".join(line.format(k) for k in (1, 2, 3, 5))))
+    text = (c.work/"mech_0000.rad").read_text() if (c.work/"mech_0000.rad").exists() else ""
+    c.check("ranks of functions", [f"/FUNCT/{k}\n" in text for k in (1, 2, 3, 5)] == [True, True, True, False], text[-3000:])
+
+
+def acts(c):
+    """What acts on bodies is said, and nothing of what acts elsewhere."""
+    def both(name, severity, number, block, *pairs):
+        for k, what in enumerate(pairs):
+            c.says(f"{name} {what}", deck(PARTNER + block.format(*what)), severity if k == 0 else None, number)
+    i = "{:10d}"
+    for kind in ("TYPE7", "TYPE5", "TYPE10"):
+        both("contact " + kind, "warning", "KJ-9426", f"/INTER/{kind}/1\nc\n{i}{i}\n", (51, 60), (51, 61))
+    for kind in ("TYPE3", "TYPE19", "TYPE25"):
+        both("contact " + kind, "warning", "KJ-9426", f"/INTER/{kind}/1\nc\n{i}{i}\n", (61, 60), (61, 61))
+    both("contact of lines", "warning", "KJ-9426", f"/INTER/TYPE11/1\nc\n{i}{i}\n", (63, 62), (63, 63))
+    both("tie", "warning", "KJ-9426", f"/INTER/TYPE2/1\nc\n{i}{i}\n", (50, 61), (51, 61))
+    both("wall", "warning", "KJ-9426", f"/RWALL/PLANE/1\nc\n         0         0{i}\n", (50,), (51,))
+    both("airbag", "warning", "KJ-9426", f"/MONVOL/AIRBAG1/1\nc\n{i}\n", (60,), (61,))
+    both("pressure", "warning", "KJ-9426", f"/PLOAD/1\nc\n{i}\n", (60,), (61,))
+    both("centrifugal", "error", "KJ-9428", "/LOAD/CENTRI/1\nc\n" + 40*" " + i + "\n", (52,), (51,))
+    both("damping", "warning", "KJ-9426", "/DAMP/1\nc\n" + real(0.1, 0) + i + "\n", (52,), (51,))
+    both("nodes on a line", "warning", "KJ-9426", f"/CYL_JOINT/1\nc\n{i}{i}{i}\n", (200, 201, 50), (200, 201, 51))
+    both("links of a main node", "error", "KJ-9428", "/RLINK/1\nc\n   111 111         0" + i + "\n", (52,), (50,))
+    both("links", "warning", "KJ-9426", "/RLINK/1\nc\n   111 111         0" + i + "\n", (50,), (51,))
+    both("interpolation", "error", "KJ-9428", f"/RBE3/1\nc\n{i}\n", (1,), (200,))
+    both("gear", "error", "KJ-9428", "/GJOINT/GEAR/1\nc\n         0" + real(1, 0, 0) + i + i + i + "\n", (200, 100, 201), (200, 201, 202))
+    both("particles", "warning", "KJ-9426", f"/SPHCEL/2\n{i}{i}\n{i}{i}\n", (1, 200, 2, 1), (1, 200, 2, 201))
+    both("rivets", "warning", "KJ-9426", f"/RIVET/2\n{i}{i}{i}\n", (1, 200, 1), (1, 200, 201))
+    both("reference mesh", "warning", "KJ-9426", f"/XREF/{{}}\nc\n         0\n", (1,))
+    c.says("merged bodies", deck("/MERGE/RBODY/1\nm\n" + ints(1, 1, 1, 1, 0) + "\n"), "error", "KJ-9428")
+    c.says("plane elements", deck("/QUAD/1\n" + ints(9, 1, 2, 3, 4) + "\n"), "error", "KJ-9428")
+    c.says("parts that are rigid", deck(mat="/MAT/LAW13/1"), "error", "KJ-9428")
+    c.says("a mass that is not known", deck(mat="/MAT/LAW51/1"), "error", "KJ-9427")
+    c.says("coupling of some directions", deck("/RBE2/5\nr\n" + ints(200) + "   111 000         0" + ints(51) + "\n" + PARTNER), "error", "KJ-9413")
+    c.says("a body that a sensor makes later", deck("/SENSOR/TIME/3\ns\n" + real(0.5) + "\n", body="/RBODY/1\nbody\n" + ints(100, 3, 0, 0)
+                                                  + real(0) + ints(1) + "\n\n\n"), "error", "KJ-9116")
+
+
+def main(kjoint):
+    with tempfile.TemporaryDirectory() as work:
+        c = Checks(pathlib.Path(kjoint).resolve(), work)
+        for part in (masses, moves, parameters, structure, acts):
+            part(c)
+    print(f"{c.n - c.wrong} of {c.n} right")
+    return c.wrong > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]) if len(sys.argv) == 2 else __doc__)
