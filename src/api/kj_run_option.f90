@@ -1,6 +1,7 @@
 !> THE table of run options: run_options_t, the command line, the C interface and Python walk it.
 !>
 !> To add one: a component of run_options_t, a row, its case in exchange_value, and its use.
+!> One file: the table and the four ways to walk it.
 module kj_run_option
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT, ERR_INTERNAL
