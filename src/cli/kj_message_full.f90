@@ -61,7 +61,7 @@ module kj_message_full
    message_t('KJ-9429', SEV_WARNING, 'bodies that fall apart', 'Only elements hold two bodies together, and these are not '// &
       'in the mechanism: no joint or spring leads from one to the other.', &
       'Put a joint or a spring in their place.'), &
-   message_t('KJ-9430', SEV_NOTE, 'requests that are left out', 'Histories of nodes and springs that are not in the '// &
+   message_t('KJ-9414', SEV_NOTE, 'requests that are left out', 'Histories of nodes and springs that are not in the '// &
       'mechanism.', 'Nothing.')]
 
 end module kj_message_full

@@ -464,7 +464,7 @@ contains
          if (at == 0 .and. lost > 0) at = block
          deallocate (there)
       end do
-      if (lost > 0) call report_header(draft%deck, at, SEV_NOTE, 'KJ-9430', &
+      if (lost > 0) call report_header(draft%deck, at, SEV_NOTE, 'KJ-9414', &
          'requests of nodes and springs that are not in the mechanism are left out', &
          str(lost)//' from here on')
    end subroutine write_requests
