@@ -1,6 +1,6 @@
 # Compiler options of every target: kjoint_fortran(target), and of a library: kjoint_library(target)
 
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Release or Debug" FORCE)
 endif()
 
@@ -39,8 +39,15 @@ function(kjoint_fortran target)
   endif()
 endfunction()
 
+# Before 1.0 each minor version is another interface
+function(kjoint_version target)
+  set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+endfunction()
+
 function(kjoint_library target)
   kjoint_fortran(${target})
+  kjoint_version(${target})
   set_target_properties(${target} PROPERTIES
     Fortran_MODULE_DIRECTORY ${mods} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC

@@ -5,7 +5,7 @@ option(KJOINT_STATIC_HDF5 "Link HDF5 into the program, where it has archives" ON
 # Link `target` with the libraries that use HDF5, named after it, and with the archives beside the
 # shared libraries of HDF5: these then have nothing left to give and are not needed at run time.
 function(kjoint_static_hdf5 target)
-  if(NOT KJOINT_STATIC_HDF5 OR NOT CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  if(NOT KJOINT_STATIC_HDF5 OR BUILD_SHARED_LIBS OR NOT CMAKE_SYSTEM_NAME STREQUAL "Linux")
     return()
   endif()
   set(archives "")

@@ -5,6 +5,7 @@ usage: test_cli.py KJOINT [unittest arguments]
 """
 import array
 import fcntl
+import gzip
 import json
 import os
 import pathlib
@@ -734,7 +735,7 @@ class Learn(Program):
         share = self.folder / "share"
         words = (share / "bash-completion/completions/kjoint").read_text()
         for name in ("run", "check", "diff", "new", "help"):
-            page = (share / f"man/man1/kjoint-{name}.1").read_text()
+            page = gzip.decompress((share / f"man/man1/kjoint-{name}.1.gz").read_bytes()).decode()
             for option in re.findall(r"^ {3}(?:-\w, | {4})(--[\w-]+)", self.kjoint("help", name).stdout, re.M):
                 self.assertIn(option.replace("-", "\\-"), page)
                 self.assertIn(option, words)

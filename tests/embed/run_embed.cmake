@@ -43,6 +43,34 @@ if(pkg_config AND FLAGS STREQUAL "")
 gfortran ${SOURCE}/examples/rigid_host.f90 -o ${WORK}/pc_fortran -J${WORK} \\
   $(pkg-config --cflags kjoint) $(pkg-config --libs kjoint)
 cc ${SOURCE}/examples/c_host.c -o ${WORK}/pc_c $(pkg-config --cflags --libs kjoint-c) -lm
+[ ! -f ${pc_folder}/kjoint-io.pc ] ||
+  gfortran ${WORK}/tell.f90 -o ${WORK}/pc_io -J${WORK} $(pkg-config --cflags --libs kjoint-io)
 ")
+  file(WRITE ${WORK}/tell.f90 [[
+program tell
+   use kj_error, only: error_t
+   use kj_info, only: describe_history
+   implicit none
+   type(error_t), allocatable :: error
+   character(len=:), allocatable :: text
+
+   call describe_history('none.h5', .false., text, error)
+   if (.not. allocated(error)) error stop 'none.h5 is there'
+end program tell
+]])
   run(sh ${WORK}/pc.sh)
+  if(EXISTS ${WORK}/pc_io)
+    run(${WORK}/pc_io)
+  endif()
 endif()
+
+# part of another project: its libraries, without its tests and packages
+file(WRITE ${WORK}/parent/CMakeLists.txt [[
+cmake_minimum_required(VERSION 3.25)
+project(parent LANGUAGES C Fortran)
+add_subdirectory(${SOURCE} kjoint EXCLUDE_FROM_ALL)
+if(NOT TARGET kjoint::kjoint OR TARGET unit_tests OR BUILD_TESTING OR CMAKE_BUILD_TYPE OR DEFINED CPACK_PACKAGE_NAME)
+  message(FATAL_ERROR "kjoint sets up more than its libraries")
+endif()
+]])
+run(${CMAKE_COMMAND} -S ${WORK}/parent -B ${WORK}/parent/build -G ${GENERATOR} -DSOURCE=${SOURCE})
