@@ -46,18 +46,16 @@ contains
             return
          end select
          keyword = keyword_of(row)
-         if (keyword == 0) return
-         if (keyword /= KW_KJOINT) then
+         if (.not. any(fields%keyword == keyword .and. fields%variant /= EACH)) &
             call print_block(row, keyword, EACH)
-            call print_example(trim(k%name))
-            return
-         end if
-         do type = 1, size(joint_types)
-            if (type > 1) call print_line('')
-            call print_line('type '//str(type)//', '//trim(joint_types(type)%name))
+         do type = 0, maxval(fields%variant, mask=fields%keyword == keyword)
+            if (.not. any(fields%keyword == keyword .and. fields%variant == type)) cycle
+            call print_line(trim(merge('type '//str(type)//', '//joint_types(max(1, type))%name, &
+               'type '//str(type)//repeat(' ', 2 + len(joint_types%name)), keyword == KW_KJOINT)))
             call print_block(row, keyword, type)
+            call print_line('')
          end do
-         call print_example(trim(k%name))
+         call print_example(row)
       end associate
    end subroutine print_keyword_page
 
@@ -70,14 +68,14 @@ contains
 
       here = fields%keyword == keyword .and. (fields%variant == EACH .or. &
          fields%variant == variant .or. variant == EACH)
-      if (any(here)) call print_line('   card     columns name        meaning [dimension]')
+      if (any(here)) call print_line('   card     columns name         meaning [dimension]')
       do i = 1, size(fields)
          if (here(i)) call print_field(i)
       end do
       if (any(here)) call print_line('')
       call print_line('   Columns are fixed: ten for an integer, twenty for a number. To fill in:')
       call print_line('')
-      call print_line(header(row))
+      call print_line(header(row, variant))
       if (keywords(row)%titled) call print_line('a title')
       do card = 1, maxval(fields%card, mask=here)
          if (any(here .and. fields%card == card)) then
@@ -101,25 +99,30 @@ contains
       line = str(f%card)//repeated(f%times)
       write (line(10:), '(i0,a,i0)') f%first, '-', f%last
       line(18:) = trim(f%name)
-      line(30:) = trim(f%meaning)
+      line(31:) = trim(f%meaning)
       if (f%dim > 1) line = trim(line)//' ['//trim(dimensions(f%dim)%name)//']'
       if (kind /= 'real') line = trim(line)//' ('//trim(kind)//')'
       if (f%since > 0) line = trim(line)//', format '//str(f%since)//' and later'
       call print_line('   '//trim(line))
    end subroutine print_field
 
-   !> The block of a shipped deck that has this keyword
-   subroutine print_example(name)
-      character(len=*), intent(in) :: name
+   !> The block of a shipped deck that has this keyword, else another name of it
+   subroutine print_example(row)
+      integer, intent(in) :: row
 
       character(len=:), allocatable :: deck, text
-      integer :: i, first, last
+      integer :: i, j, first, last
 
       do i = 1, shipped_count()
          call shipped_name(i, deck)
          if (index(deck, '_0000.rad') == 0) cycle
          call shipped_text(i, text)
-         call find_block(text, name, first, last)
+         call find_block(text, trim(keywords(row)%name), first, last)
+         do j = 1, merge(size(keywords), 0, first > last .and. keyword_of(row) > 0)
+            if (keyword_of(j) /= keyword_of(row)) cycle
+            call find_block(text, trim(keywords(j)%name), first, last)
+            if (first <= last) exit
+         end do
          if (first > last) cycle
          call print_line('')
          call print_line('   From '//deck//' (kjoint new '//deck(:len(deck) - 9)//'):')
@@ -136,8 +139,8 @@ contains
 
       integer :: from, to
 
-      first = index(new_line('a')//text, new_line('a')//name//'/')
-      if (first == 0) first = index(new_line('a')//text, new_line('a')//name//new_line('a'))
+      first = index(new_line('a')//text, new_line('a')//name//new_line('a'))
+      if (first == 0) first = index(new_line('a')//text, new_line('a')//name//'/')
       last = first - 1
       if (first == 0) then
          first = 1
@@ -168,14 +171,14 @@ contains
       end select
    end function repeated
 
-   pure function header(row) result(text)
-      integer, intent(in) :: row
+   pure function header(row, variant) result(text)
+      integer, intent(in) :: row, variant
       character(len=:), allocatable :: text
 
       text = trim(keywords(row)%name)
       select case (keywords(row)%head)
       case (HEAD_ID); text = text//'/1'
-      case (HEAD_TYPE_ID); text = text//'/0/1'
+      case (HEAD_TYPE_ID); text = text//'/'//str(max(0, variant))//'/1'
       case (HEAD_UNIT)
       end select
    end function header

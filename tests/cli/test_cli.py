@@ -695,6 +695,19 @@ class Learn(Program):
             page = self.kjoint("help", name).stdout
             self.assertTrue(page.startswith(name + ": "), name)
             self.assertIn("\n" + name, page)              # the header of a block
+        # and each that is read in some way shows a block of a shipped deck, which passes `kjoint check`
+        shown = set()
+        for row in rows:
+            if row[1] in ("read", "aside", "full"):
+                page = self.kjoint("help", row[0]).stdout
+                deck, block = re.search(r"From (\w+)_0000.rad \(kjoint new \w+\):\n\n((?s:.*))$", page).groups()
+                path = next((SOURCE / "decks").glob(f"**/{deck}_0000.rad"))
+                self.assertIn(block.strip(), path.read_text(), row[0])
+                shown.add(path)
+        self.assertGreater(len(shown), 5)
+        for path in shown:
+            full = ["--mechanism"] if path.parent.name == "full" else []
+            self.kjoint("check", *(full or ["--werror"]), path)
         grav = self.kjoint("help", "/grav").stdout
         self.assertRegex(grav, r"1 +11-20 +dir +direction: X, Y, Z")
         # names stand at the right end of their columns: dir ends in column 20, Ascale in 80
@@ -712,7 +725,7 @@ class Learn(Program):
 
     def test_new_decks_are_those_that_are_shipped(self):
         kinds = [line.split()[0] for line in self.kjoint("new").stdout.splitlines()[1:]]
-        shipped = sorted(p.name[:-9] for p in (SOURCE / "decks").glob("*_0000.rad"))
+        shipped = sorted(p.name[:-9] for p in (SOURCE / "decks").glob("**/*_0000.rad"))
         self.assertEqual(shipped, sorted(kinds))
         self.kjoint("new", "door")                         # the begin of a name will do
         for end in ("_0000.rad", "_0001.rad"):
