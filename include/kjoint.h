@@ -176,10 +176,11 @@ int kj_model_warnings(const kj_model *model, char *buffer, size_t size);
 int kj_model_run(kj_model *model, kj_tick tick, void *user);
 
 /* Or step by step: state at t = 0; march to a time (legacy: to the first cycle at or beyond it);
- * march one step; keep a sample of the present */
+ * march one step, or n; keep a sample of the present */
 int kj_model_start(kj_model *model);
 int kj_model_advance(kj_model *model, double until);
 int kj_model_step(kj_model *model);
+int kj_model_steps(kj_model *model, int n);
 int kj_model_sample(kj_model *model);
 int kj_model_status(const kj_model *model, kj_run_status *status);
 

@@ -48,9 +48,16 @@ TICK = ct.CFUNCTYPE(INT, ct.POINTER(Status), ct.c_void_p)
 
 
 def values_of(structure: ct.Structure) -> dict[str, Any]:
-    """Its numbers by name, arrays as numpy arrays of their own."""
-    found = ((name, getattr(structure, name)) for name, *_ in structure._fields_)
-    return {name: np.array(value) if isinstance(value, ct.Array) else value for name, value in found}
+    """Its numbers by name, arrays as views of it."""
+    found = {name: getattr(structure, name) for name, *_ in structure._fields_}
+    for name, value in found.items():
+        if isinstance(value, ct.Array):
+            found[name] = np.frombuffer(value, float).reshape(len(value), -1).squeeze()
+    return found
+
+
+# threads of a run that wait sleep, instead of keeping the processor from others
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 
 def _find() -> ct.CDLL:
@@ -95,7 +102,7 @@ def _declare(library: ct.CDLL) -> ct.CDLL:
         "kj_model_options": [p] + text,
         "kj_model_title": [p] + text, "kj_model_warnings": [p] + text,
         "kj_model_run": [p, p, p], "kj_model_start": [p], "kj_model_advance": [p, REAL],
-        "kj_model_step": [p], "kj_model_save": [p, ct.c_size_t, p, p],
+        "kj_model_steps": [p, INT], "kj_model_save": [p, ct.c_size_t, p, p],
         "kj_model_restore": [p, ct.c_size_t, p], "kj_model_sample": [p], "kj_model_status": [p, p],
         "kj_model_channels": [p] + text, "kj_model_shape": [p, TEXT, p, p, p],
         "kj_model_series": [p, TEXT, INT, numbers], "kj_model_unit": [p, TEXT] + text,
@@ -181,11 +188,14 @@ class Handle:
         self._handle = ct.c_void_p()
         self._lock = threading.RLock()
 
-    @contextlib.contextmanager
-    def _alone(self) -> Iterator[None]:
+    def _enter(self) -> None:
         if not self._lock.acquire(blocking=False):
             raise Error(f"another thread is in a call of this {type(self).__name__}: "
                         "one thread at a time", 2)
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        self._enter()
         try:
             yield
         finally:
@@ -198,10 +208,13 @@ class Handle:
             raise Error(message.value.decode(errors="replace"), status)
 
     def _call(self, name: str, *arguments: Any) -> None:
-        with self._alone():
+        self._enter()                             # a step of a host should cost little more than in C
+        try:
             status = getattr(LIB, f"kj_{self.kind}_{name}")(self._handle, *arguments)
             if status:
                 raise Error(self._message(), status)
+        finally:
+            self._lock.release()
 
     def _message(self, what: str = "message", *arguments: Any, size: int = SIZE) -> str:
         with self._alone():

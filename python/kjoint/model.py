@@ -234,16 +234,16 @@ class Model(Handle, Samples):
         """
         self._call("advance", until)
 
-    def step(self) -> None:
-        """March one step.
+    def step(self, n: int = 1) -> None:
+        """March n steps.
 
         >>> import kjoint
         >>> model = kjoint.example().model(until=1.0, sample=0.1).start()
-        >>> model.step()
+        >>> model.step(3)
         >>> model.status.cycle
-        1
+        3
         """
-        self._call("step")
+        self._call("steps", n)
 
     def save(self) -> bytes:
         """State of a started model, as bytes.

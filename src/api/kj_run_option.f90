@@ -6,7 +6,7 @@ module kj_run_option
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT, ERR_INTERNAL
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE
-   use kj_team, only: has_threads
+   use kj_team, only: has_threads, processors
    implicit none
    private
 
@@ -369,6 +369,7 @@ contains
          else if (o%threads > 1 .and. .not. has_threads()) then
             call fail(error, ERR_INPUT, 'this kjoint was built without OpenMP: it has one thread')
          end if
+         o%threads = min(o%threads, max(1, processors()))
       end associate
    end subroutine settle_run_options
 

@@ -19,8 +19,8 @@ module kj_scheme
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_step, only: place_node
-   use kj_consistent_march, only: march_t, start_march, march, is_too_short, check_state, SPLIT2, &
-      RKMK4, COMPLIANT
+   use kj_consistent_march, only: march_t, start_march, march, is_too_short, check_state, NEVER, &
+      SPLIT2, LIEMID, RKMK4, COMPLIANT
    use kj_consistent_compliant_build, only: make_implicit
    use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
    use kj_consistent_snapshot, only: show_consistent, show_consistent_clock
@@ -33,7 +33,7 @@ module kj_scheme
 
    public :: scheme_t, choose_scheme, check_scene, critical_factor, start_scheme, leaves_path, &
       plan_sample, is_over, show_clock, go_on, finish_scheme, advance_to, &
-      take_step, show, look_inside, node_place, node_moves, warn_after
+      show, look_inside, node_place, node_moves, warn_after, NEVER
    public :: load_body, move_body, put_body, lock_place
 
    real(wp), parameter :: LOOSE = 1.0e-3_wp     !! loss of orthogonality to warn of [rad]
@@ -350,44 +350,35 @@ contains
       call show_clock(model, self)
    end subroutine finish_scheme
 
-   !> March to a time; legacy to the first cycle at or beyond it
-   subroutine advance_to(until, model, self, error)
+   !> March to a time, legacy to the first cycle at or beyond it; or, to NEVER, n steps
+   subroutine advance_to(until, n, model, self, error)
       real(wp), intent(in) :: until
+      integer, intent(in) :: n
       type(consistent_model_t), intent(in) :: model
       type(scheme_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
 
+      integer :: left, cycle
       logical :: arrived
 
+      left = n
       arrived = .not. self%now%time < until
-      do while (.not. (arrived .or. allocated(error)))
+      do while (left > 0 .and. .not. (arrived .or. allocated(error)))
+         cycle = self%state%cycle
          if (self%legacy) then
             call take_cycle(model%model_t, self%cycles, error)
             arrived = .not. self%cycles%time < until
+         else if (self%integrator == COMPLIANT .and. .not. until < NEVER) then
+            call march_on(model, self, 1, self%state%time + self%march%limit, arrived, error)
+            arrived = .false.
          else
-            call march_on(model, self, CHUNK, until, arrived, error)
+            call march_on(model, self, min(left, CHUNK), until, arrived, error)
          end if
+         if (.not. until < NEVER) left = left - max(1, self%state%cycle - cycle)
       end do
       self%shown = .false.
       call show_clock(model, self)
    end subroutine advance_to
-
-   !> March one step
-   subroutine take_step(model, self, error)
-      type(consistent_model_t), intent(in) :: model
-      type(scheme_t), intent(inout) :: self
-      type(error_t), allocatable, intent(out) :: error
-
-      logical :: arrived
-
-      if (self%legacy) then
-         call take_cycle(model%model_t, self%cycles, error)
-      else
-         call march_on(model, self, 1, self%state%time + self%march%limit, arrived, error)
-      end if
-      self%shown = .false.
-      call show_clock(model, self)
-   end subroutine take_step
 
    !> A cycle from accelerations to accelerations, so that everything is known in between
    subroutine take_cycle(model, state, error)

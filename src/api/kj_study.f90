@@ -4,6 +4,7 @@ module kj_study
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, ERR_RUN
    use kj_system, only: thread_clock
+   use kj_team, only: processors
    use kj_channels, only: OF_JOINT
    use kj_history, only: entity_title
    use kj_study_metric, only: study_sink_t, class_errors, N_CLASS
@@ -102,7 +103,8 @@ contains
       call list_trials(given, study)
       n_done = 1
       call watcher%run_done(n_done, size(study%trial) + 1, study%reference)
-      !$omp parallel do schedule(dynamic) num_threads(options%threads) private(sink)
+      !$omp parallel do schedule(dynamic) num_threads(min(options%threads, processors())) &
+      !$omp private(sink)
       do i = 1, size(study%trial)
          if (watcher%wants_stop()) cycle
          call one_trial(starter, engine, run%sample, study%reach, watcher, reference, truth, sink, &

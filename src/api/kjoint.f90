@@ -230,10 +230,11 @@ module kjoint
          type(error_t), allocatable, intent(out) :: error
       end subroutine advance_simulation
 
-      !> March one step, as long as the limit allows. Errors: as advance_simulation
-      module subroutine step_simulation(sim, error)
+      !> March a step, or so many, each as long as the limit allows. Errors: as advance_simulation
+      module subroutine step_simulation(sim, error, steps)
          type(simulation_t), intent(inout) :: sim
          type(error_t), allocatable, intent(out) :: error
+         integer, intent(in), optional :: steps
       end subroutine step_simulation
 
       !> The state of a started scene as bytes. Errors: ERR_INPUT when it is not started

@@ -4,7 +4,7 @@ submodule (kjoint:kjoint_run) kjoint_step
    use kj_math3, only: to_quaternion
    use kj_joint_types, only: joint_types
    use kj_channels, only: channels, groups
-   use kj_scheme, only: advance_to, take_step, node_place
+   use kj_scheme, only: advance_to, node_place, NEVER
    use kj_host_deck, only: take_model
    use kj_checkpoint, only: save_scene, restore_scene
    implicit none
@@ -51,14 +51,20 @@ contains
       if (.not. allocated(error) .and. .not. ieee_is_finite(until)) &
          call fail(error, ERR_INPUT, 'the time is not finite')
       if (allocated(error)) return
-      call advance_to(until, sim%model, sim%scheme, error)
+      call advance_to(until, huge(1), sim%model, sim%scheme, error)
       sim%started = .not. allocated(error)
    end procedure advance_simulation
 
    module procedure step_simulation
+      integer :: n
+
+      n = 1
+      if (present(steps)) n = steps
       call check_started(sim, error)
+      if (.not. allocated(error) .and. n < 0) &
+         call fail(error, ERR_INPUT, 'the number of steps is negative')
       if (allocated(error)) return
-      call take_step(sim%model, sim%scheme, error)
+      call advance_to(NEVER, n, sim%model, sim%scheme, error)
       sim%started = .not. allocated(error)
    end procedure step_simulation
 

@@ -18,7 +18,7 @@ module kjoint_c_model
 
    public :: kj_options_list, kj_model_options, kj_model_load, kj_model_free, kj_model_message, &
       kj_model_title, kj_model_warnings, kj_model_run, kj_model_start, kj_model_advance, &
-      kj_model_step, kj_model_sample, kj_model_status
+      kj_model_step, kj_model_steps, kj_model_sample, kj_model_status
 
    !> kj_run_status
    type, bind(c) :: c_status_t
@@ -236,13 +236,21 @@ contains
    integer(c_int) function kj_model_step(model) bind(c) result(status)
       type(c_ptr), value :: model
 
+      status = kj_model_steps(model, 1_c_int)
+   end function kj_model_step
+
+   !> See kjoint.h
+   integer(c_int) function kj_model_steps(model, n) bind(c) result(status)
+      type(c_ptr), value :: model
+      integer(c_int), value :: n
+
       type(box_t), pointer :: box
       type(error_t), allocatable :: error
 
       if (.not. entered(model, OF_MODEL, box, status)) return
-      call step_simulation(box%sim, error)
+      call step_simulation(box%sim, error, n)
       status = outcome(error, box%message)
-   end function kj_model_step
+   end function kj_model_steps
 
    !> See kjoint.h
    integer(c_int) function kj_model_sample(model) bind(c) result(status)

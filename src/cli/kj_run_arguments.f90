@@ -3,7 +3,7 @@ module kj_run_arguments
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, code_of, ERR_INPUT
    use kj_number, only: parse_integer, NUMBER_FINE
-   use kj_team, only: has_threads
+   use kj_team, only: has_threads, processors
    use kj_terminal, only: environment
    use kj_option, only: arguments_t, option_t, option, FIRST_RUN, OPT_LEGACY
    use kjoint, only: run_options_t, run_options, set_run_option, holds_engine
@@ -12,9 +12,15 @@ module kj_run_arguments
 
    public :: take_run_options, find_engine, exit_code
 
+   interface
+      subroutine kj_wait_passively() bind(c)
+      end subroutine kj_wait_passively
+   end interface
+
 contains
 
-   !> Run options of the command line; threads else as OMP_NUM_THREADS says.
+   !> Run options of the command line; threads else as OMP_NUM_THREADS says. Where they are several
+   !> the program starts once more, with threads that sleep while they wait.
    !>
    !> Errors: ERR_INPUT when one has a wrong value, or --legacy meets another formulation
    subroutine take_run_options(args, options, error)
@@ -33,6 +39,8 @@ contains
          call set_run_option(i, trim(o%name), args%value(o%id)%s, options, error)
          if (allocated(error)) return
       end do
+      if (has_threads()) options%threads = min(options%threads, processors())
+      if (options%threads > 1) call kj_wait_passively()
       if (.not. args%given(OPT_LEGACY)) return
       if (all(options%formulation /= ['      ', 'legacy'])) call fail(error, ERR_INPUT, &
          '--legacy does not go with --formulation '//trim(options%formulation))

@@ -147,6 +147,7 @@ contains
       call keep(self, march%h)
       call keep(self, march%left)
       call keep(self, march%since)
+      call keep(self, march%age)
    end subroutine keep_march
 
    subroutine keep_bound(self, bound)

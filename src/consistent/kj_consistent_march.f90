@@ -30,6 +30,7 @@ module kj_consistent_march
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3, &
       COMPLIANT = 4                               !! integrators
    integer, parameter :: LOOK = 8                !! steps between two looks at the bound
+   real(wp), parameter, public :: NEVER = huge(1.0_wp)   !! a time to march to
    ! sums over leads do not depend on threads: parts of SUMMED leads, WINDOW of them at a time
    integer, parameter :: SUMMED = 64, WINDOW = 64
 
@@ -57,6 +58,7 @@ module kj_consistent_march
       real(wp) :: h = 0.0_wp
       integer :: left = 0
       integer :: since = 0                       !! steps since the last look at the bound
+      integer :: age = 0                         !! steps since it was found at a time marched to
    end type march_t
 
 contains
@@ -69,6 +71,7 @@ contains
 
       state%by_steps = self%integrator /= RKMK4
       self%left = 0
+      self%age = 0
       self%start_end = state%time
       if (self%integrator == COMPLIANT) then
          self%pace%most = self%most
@@ -137,7 +140,8 @@ contains
    end function is_too_short
 
    !> Steps towards t_end, at most `steps` of them, or until they are too short; arrived: t_end is
-   !> reached. The next call with the same t_end goes on as if it were the same one.
+   !> reached. The next call with the same t_end goes on as if it were the same one. t_end =
+   !> NEVER: steps have full length.
    subroutine march(model, t_end, steps, self, state, arrived)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: t_end
@@ -172,8 +176,9 @@ contains
          now = min(left, self%left, LOOK - self%since)
          call take_steps(model, self%integrator, self%h, now, state)
          left = left - now
-         self%left = self%left - now
+         if (self%t_end < NEVER) self%left = self%left - now
          self%since = self%since + now
+         self%age = self%age + now
          arrived = self%left == 0
          if (arrived) exit
          if (self%since == LOOK) call look_ahead(model, self, state)
@@ -181,6 +186,8 @@ contains
       end do
       if (.not. arrived) return
       state%time = t_end
+      if (self%age < LOOK) return
+      self%age = 0
       call renew_bound(model, state, self%bound)
       call take_limit(model, state, self)
    end subroutine march
@@ -205,14 +212,18 @@ contains
       call divide_way(model, self, state)
    end subroutine look_ahead
 
-   !> Equal steps to where the march goes
+   !> Equal steps to where the march goes, full ones where it does not end
    subroutine divide_way(model, self, state)
       type(consistent_model_t), intent(in) :: model
       type(march_t), intent(inout) :: self
       type(consistent_state_t), intent(inout) :: state
 
-      self%left = needed_steps(self%t_end - state%time, min(self%limit, self%contact%h))
-      self%h = (self%t_end - state%time)/self%left
+      self%h = min(self%limit, self%contact%h)
+      self%left = huge(self%left)
+      if (self%t_end < NEVER) then
+         self%left = needed_steps(self%t_end - state%time, self%h)
+         self%h = (self%t_end - state%time)/self%left
+      end if
       call change_step(model, self%h, state)
    end subroutine divide_way
 

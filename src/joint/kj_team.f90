@@ -2,11 +2,12 @@
 !> other, and neither do leads, so the bits of a run do not depend on how a scene is cut, or on
 !> which thread does what.
 module kj_team
+   !$ use omp_lib, only: omp_get_num_procs
    use kj_block, only: BLOCK
    implicit none
    private
 
-   public :: team_t, new_team, has_threads
+   public :: team_t, new_team, has_threads, processors
 
    integer, parameter :: PIECES = 4               !! for each thread, at least: slower ones do fewer
    !> joints or leads in a piece
@@ -54,6 +55,13 @@ contains
       length = MOST
       if (threads > 1) length = min(MOST, BLOCK*max(1, n/(PIECES*threads*BLOCK)))
    end function piece_length
+
+   !> Processors that this process may use
+   integer function processors() result(n)
+
+      n = 1
+      !$ n = omp_get_num_procs()
+   end function processors
 
    !> Was this built with OpenMP?
    pure logical function has_threads()

@@ -247,11 +247,13 @@ static void model_level(const char *deck) {
   }
   BAD(kj_model_advance(model, 1.0), KJ_INPUT, "not started");
   BAD(kj_model_step(model), KJ_INPUT, "not started");
+  BAD(kj_model_steps(model, 2), KJ_INPUT, "not started");
   BAD(kj_model_sample(model), KJ_INPUT, "not started");
   BAD(kj_model_body(model, 1, &body), KJ_INPUT, "not started");
   BAD(kj_model_write_history(model, "/no/such/folder/x.h5"), KJ_INPUT, "no samples");
   BAD(kj_model_start(model), KJ_OK, "");
   BAD(kj_model_advance(model, NAN), KJ_INPUT, "finite");
+  BAD(kj_model_steps(model, -1), KJ_INPUT, "negative");
   BAD(kj_model_body(model, 99, &body), KJ_INPUT, "no rigid body 99");
   BAD(kj_model_body(model, 1, NULL), KJ_INPUT, "null");
   BAD(kj_model_joint(model, 99, &r), KJ_INPUT, "no joint 99");

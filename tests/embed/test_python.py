@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The Python module on both levels. usage: test_python.py REV01_0000.rad UNI01_0000.rad"""
 import os
+import pathlib
 import signal
 import sys
 import tempfile
@@ -147,6 +148,21 @@ class Models(unittest.TestCase):
                 model.step()
         with self.assertRaisesRegex(kjoint.Error, "body 2 turns by more than 1 rad"):
             model.step()
+
+    def test_the_limit_is_found_anew_every_eighth_step(self):
+        # of a knee that swings, whoever asks for the steps: the eighth is the last of its length.
+        # One call takes them all.
+        deck = pathlib.Path(__file__).parents[2]/"decks"/"knee_0000.rad"
+        alone, together = (kjoint.Model(deck).start() for _ in range(2))
+        lengths = []
+        for _ in range(400):
+            alone.step()
+            lengths.append(alone.status.time_step)
+        changes = np.flatnonzero(np.diff(lengths)) + 1   # what comes is said after the step
+        self.assertGreater(len(changes), 3)
+        self.assertEqual(set(changes % 8), {7})
+        together.step(400)
+        np.testing.assert_array_equal(together.body(2).position, alone.body(2).position)
 
     def test_a_second_run_gives_the_bits_of_the_first(self):
         # a run begins with shorter steps for a while: that, too, begins anew
