@@ -20,7 +20,7 @@ module kj_scheme
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_step, only: place_node
    use kj_consistent_march, only: march_t, start_march, march, is_too_short, check_state, NEVER, &
-      SPLIT2, LIEMID, RKMK4, COMPLIANT
+      SPLIT2, RKMK4, COMPLIANT
    use kj_consistent_compliant_build, only: make_implicit
    use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
    use kj_consistent_snapshot, only: show_consistent, show_consistent_clock

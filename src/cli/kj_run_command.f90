@@ -18,6 +18,7 @@ module kj_run_command
    use kj_keeper, only: start_keeper
    use kj_restart_command, only: continued_sink_t, find_restart, restart_from, continued_path
    use kj_text, only: text_t
+   use kj_team, only: processors
    use kj_worst, only: worst_lines, worst_json
    use kj_channels, only: OF_JOINT
    use kj_history, only: entity_title
@@ -79,8 +80,8 @@ contains
       if (.not. args%given(OPT_JSON)) call print_findings(findings, may_colour(STDERR), &
          args%given(OPT_VERBOSE), args%given(OPT_QUIET))
       if (.not. allocated(error) .and. findings%n_error == 0) &
-         call advance(sim, args, engine, command_line, options%threads, restart, goes_on, sink, &
-         tracer, outcome, error)
+         call advance(sim, args, engine, command_line, min(options%threads, processors()), &
+         restart, goes_on, sink, tracer, outcome, error)
       code = exit_code(findings, error)
       if (tracer%stopped .or. tracer%killed) code = STOPPED
       if (caught_signal() > 0) code = 128 + caught_signal()
