@@ -200,7 +200,7 @@ contains
       real(wp), intent(in) :: stiffness, damping
 
       lambda = stiffness
-      if (.not. damping <= 0.0_wp) &
+      if (.not. damping <= epsilon(1.0_wp)*sqrt(stiffness)) &
          lambda = ((0.5_wp*damping + sqrt((0.5_wp*damping)**2 + stiffness))*2.0_wp/RK4_RADIUS)**2
    end function explicit
 

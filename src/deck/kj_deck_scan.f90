@@ -209,9 +209,11 @@ contains
 
       type(submodel_t), allocatable :: longer(:)
 
-      allocate (longer(deck%n_submodel + 1))
-      longer(:deck%n_submodel) = deck%submodel
-      call move_alloc(longer, deck%submodel)
+      if (deck%n_submodel == size(deck%submodel)) then
+         allocate (longer(2*deck%n_submodel + 1))
+         longer(:deck%n_submodel) = deck%submodel
+         call move_alloc(longer, deck%submodel)
+      end if
       deck%n_submodel = deck%n_submodel + 1
       associate (s => deck%submodel(deck%n_submodel))
          s%id = id

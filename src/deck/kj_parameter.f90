@@ -13,6 +13,8 @@ module kj_parameter
    public :: parameters_t, setting_t, read_parameters, replace_names, report_unused
 
    integer, parameter :: LETTER_COUNT = 10       !! characters of a name
+   integer, parameter :: MOST_LINES = 10         !! of an expression
+   integer, parameter :: DEEPEST = 1000          !! expressions that name each other in a row
 
    !> name=value from outside, which takes the place of the value in the deck
    type :: setting_t
@@ -37,6 +39,7 @@ module kj_parameter
    type, extends(names_t) :: parameters_t
       type(parameter_t), allocatable :: item(:)
       integer :: from = 0                        !! line that asks for a name
+      integer :: depth = 0                       !! expressions under way
       logical :: outside = .false.               !! some name was given from outside
       type(deck_t), pointer :: deck => null()
    contains
@@ -110,7 +113,7 @@ contains
       if (index(header, '/TEXT') > 0) p%kind = A_TEXT
       if (p%expression) then
          p%text = trim(card(11:))
-         do line = line + 1, deck%block(block)%last        ! it may go on
+         do line = line + 1, min(line + MOST_LINES - 1, deck%block(block)%last)   ! it may go on
             p%text = p%text//trim(line_text(deck, line))
          end do
       else if (p%kind == AN_INTEGER) then
@@ -191,9 +194,12 @@ contains
       found = k > 0
       if (.not. found) return
       self%item(k)%used = .true.
-      found = .not. self%item(k)%under_way .and. self%item(k)%kind /= A_TEXT
+      found = .not. self%item(k)%under_way .and. self%item(k)%kind /= A_TEXT .and. &
+         self%depth < DEEPEST
       if (.not. found) return
+      self%depth = self%depth + 1
       call work_out(self, k)
+      self%depth = self%depth - 1
       call parse_real(self%item(k)%text, value, status)
       found = status == NUMBER_FINE
    end subroutine value_of

@@ -9,7 +9,8 @@ module kj_element_mass
    use kj_keywords, only: KW_SHELL, KW_SH3N, KW_BRICK, KW_TETRA4, KW_PENTA6, KW_TETRA10, &
       KW_BRIC20, &
       KW_SHEL16, KW_BEAM, KW_TRUSS, KW_SPRING
-   use kj_deck_text, only: first_card, block_factors
+   use kj_error, only: str, SEV_ERROR
+   use kj_deck_text, only: first_card, block_factors, add_deck_finding
    use kj_card_cut, only: read_real_at
    use kj_element_cards, only: element_row, element_cards, read_element, MOST_NODES
    use kj_draft, only: draft_t
@@ -46,6 +47,7 @@ module kj_element_mass
       integer :: part = 0, id = 0
       integer :: line = 0                        !! its first
       integer :: raw(MOST_NODES) = 0             !! raw indices of its nodes, 0 = none
+      integer :: unknown = 0, unknown_id = 0     !! last of its nodes that is not defined, 0 = none
       real(wp) :: mass(MOST_NODES) = 0.0_wp, inertia(MOST_NODES) = 0.0_wp
       ! where the next one begins
       integer :: block = 0, next = 0
@@ -126,16 +128,21 @@ contains
       real(wp), intent(out) :: total             !! mass of the elements
       integer, intent(out) :: n                  !! number of them
 
-      type(element_t) :: e
-      integer :: i
+      type(element_t) :: e, wrong
+      integer :: i, n_wrong
 
       total = 0.0_wp
       n = 0
+      n_wrong = 0
       call first_element(draft, block, e)
       do
          call next_element(draft, e)
          if (e%row == 0) exit
          n = n + 1
+         if (e%unknown > 0) then
+            n_wrong = n_wrong + 1
+            if (n_wrong == 1) wrong = e
+         end if
          call weigh(draft, scales, e)
          do i = 1, MOST_NODES
             if (e%raw(i) == 0) cycle
@@ -145,7 +152,26 @@ contains
             total = total + e%mass(i)
          end do
       end do
+      if (n_wrong > 0) call report_node(draft, wrong, n_wrong)
    end subroutine weigh_block
+
+   !> The finding of elements with a node that is not defined
+   subroutine report_node(draft, e, n)
+      type(draft_t), intent(inout) :: draft
+      type(element_t), intent(in) :: e           !! the first of them
+      integer, intent(in) :: n
+
+      integer :: card, field
+
+      field = e%unknown + 1                      ! the id stands before the nodes
+      do card = 1, 2
+         if (field <= element_cards(e%row)%ints(card)) exit
+         field = field - element_cards(e%row)%ints(card)
+      end do
+      call add_deck_finding(draft%deck, e%line + card - 1, 10*field - 9, 10*field, SEV_ERROR, &
+         'KJ-0078', 'node '//str(e%unknown_id)//' of element '//str(e%id)//' is not defined', &
+         'no such node', str(n)//' elements of this block have such nodes')
+   end subroutine report_node
 
    !> Stand before the first element of a block
    subroutine first_element(draft, block, e)
@@ -174,9 +200,13 @@ contains
          e%row = 0
       end do
       if (e%row == 0) return
+      e%unknown = 0
       do i = 1, MOST_NODES
          e%raw(i) = 0
          if (node(i) > 0) e%raw(i) = find(draft%node, node(i))
+         if (node(i) == 0 .or. e%raw(i) > 0) cycle
+         e%unknown = i
+         e%unknown_id = node(i)
       end do
       e%mass = 0.0_wp
       e%inertia = 0.0_wp
