@@ -1,7 +1,7 @@
 !> Bodies of the public module: loading a deck, and what the history says of it.
 submodule (kjoint) kjoint_impl
    use kj_run_option, only: settle_run_options
-   use kj_error, only: fail
+   use kj_error, only: fail, add_finding, SEV_ERROR
    use kj_deck, only: read_deck
    use kj_deck_text, only: deck_t, source_t
    use kj_engine, only: engine_t, read_engine
@@ -125,23 +125,33 @@ contains
    end procedure default_output
 
    module procedure extract_mechanism
-      type(deck_t) :: deck
+      type(draft_t) :: draft
       type(source_t) :: engine_source
       type(engine_t) :: controls
+      type(model_t) :: model
+      type(error_t), allocatable :: error
       character(len=:), allocatable :: path, kept
+      integer :: i
       logical :: has_engine
 
-      deck%ignore_random = options%ignore_random
-      call take_mechanism(starter, settings_of(options%set), findings, deck, report)
+      draft%deck%ignore_random = options%ignore_random
+      call take_mechanism(starter, settings_of(options%set), findings, draft%deck, report)
       report%engine = ''
       call find_engine_deck(starter, engine, path)
       inquire (file=path, exist=has_engine)
       if (has_engine) then
-         call read_engine(path, controls, engine_source, deck%findings, kept=kept)
+         call read_engine(path, controls, engine_source, draft%deck%findings, kept=kept)
          report%engine = kept
          if (allocated(report%input)) call append_text(report%input, path)
       end if
-      findings = deck%findings
+      findings = draft%deck%findings
+      if (findings%n_error > 0 .or. .not. draft%deck%readable) return
+      call build_model(draft, controls, model, .false.)       ! what is written must run
+      do i = findings%n + 1, draft%deck%findings%n
+         if (draft%deck%findings%item(i)%severity /= SEV_ERROR) cycle
+         error = draft%deck%findings%item(i)
+         call add_finding(findings, error)
+      end do
    end procedure extract_mechanism
 
    module procedure holds_engine

@@ -37,6 +37,9 @@ module kj_message_full
       'Write a /RBODY to choose.'), &
    message_t('KJ-9413', SEV_ERROR, 'an RBE2 that couples some directions', 'Only 111 111 makes a rigid body.', &
       'Use a joint.'), &
+   message_t('KJ-9415', SEV_ERROR, 'what the mechanism needs is not read', 'A joint, spring or condition of the mechanism '// &
+      'names a function or a sensor of a kind that is not supported.', &
+      'Use /FUNCT or /SENSOR/TIME.'), &
    message_t('KJ-9421', SEV_WARNING, 'a condition has lost its nodes', 'All nodes of its group belong to deformable parts '// &
       'that are not in the mechanism, or are followed by a body.', &
       'Nothing, if it acts on these parts alone.'), &

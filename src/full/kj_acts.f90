@@ -6,6 +6,7 @@ module kj_acts
    use kj_sort, only: find
    use kj_keywords, only: keywords
    use kj_deck_text, only: report_header, first_card
+   use kj_cards, only: report_row
    use kj_draft, only: draft_t
    use kj_box, only: box_set_t, build_boxes
    use kj_node_list, only: node_list_t, add_nodes
@@ -114,7 +115,29 @@ contains
             trim(actors(row)%what), str(n)//' of this kind, on '// &
             str(count(all_touched(1:)))//' bodies')
       end do
+      call report_springs(draft)
    end subroutine find_acts
+
+   !> Springs of laws that are not read, at bodies
+   subroutine report_springs(draft)
+      type(draft_t), intent(inout) :: draft
+
+      integer :: i, n, first
+
+      n = 0
+      first = 0
+      do i = draft%elements%n, 1, -1
+         if (draft%elements%part(i) == 0) cycle
+         if (draft%part_property(draft%elements%part(i)) > 0) cycle
+         if (max(body_of(draft, draft%elements%node(1, i)), &
+            body_of(draft, draft%elements%node(2, i))) == 0) cycle
+         n = n + 1
+         first = i
+      end do
+      if (n > 0) call report_row(draft%deck, draft%elements%card(first), 'id', SEV_WARNING, &
+         'KJ-9426', 'springs of a law that is not read act on bodies', str(n)//' of this kind', &
+         'their mass counts, their force does not')
+   end subroutine report_springs
 
    !> Append an act to a list
    subroutine append(acts, row, n, body)

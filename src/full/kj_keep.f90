@@ -8,14 +8,14 @@ module kj_keep
    use kj_keywords, only: keywords, KW_KJOINT, KW_KJOINT2, KW_SPRING4, KW_BCS, KW_GRAV, &
       KW_CLOAD, KW_IMPVEL, KW_IMPDISP, KW_IMPACC, &
       KW_INIVEL_TRA, KW_INIVEL_ROT, KW_INIVEL_TG, KW_INIVEL_AXIS, KW_TH_NODE
-   use kj_deck_text, only: first_card, report_header, line_text
+   use kj_deck_text, only: first_card, report_header, report_line, line_text
    use kj_card_lists, only: th_t, read_th
    use kj_card_cut, only: cut_t, cut_card
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_deck_flat, only: ids_on_card, id_columns_t
    use kj_reference, only: OF_SKEW, OF_FRAME, OF_FUNCTION, OF_SENSOR
    use kj_cards, only: cards_t, read_cards, int_of, report, report_row
-   use kj_draft, only: draft_t
+   use kj_draft, only: draft_t, unsupported
    implicit none
    private
 
@@ -226,7 +226,7 @@ contains
 
    !> Mark what the cards of a block name
    subroutine mark_block(draft, block, keep)
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(inout) :: draft
       integer, intent(in) :: block
       type(keep_t), intent(inout) :: keep
 
@@ -239,15 +239,22 @@ contains
 
    !> Mark what a card names: axes, functions, sensors
    subroutine mark_line(draft, block, line, keep)
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(inout) :: draft
       integer, intent(in) :: block, line
       type(keep_t), intent(inout) :: keep
 
-      call mark(draft%skew, ids_of_family(draft, block, line, OF_SKEW), keep%skew)
+      integer, allocatable :: axes(:), functions(:), sensors(:)
+
+      axes = ids_of_family(draft, block, line, OF_SKEW)
+      functions = ids_of_family(draft, block, line, OF_FUNCTION)
+      sensors = ids_of_family(draft, block, line, OF_SENSOR)
+      call mark(draft%skew, axes, keep%skew)
+      call mark(draft%frame, axes, keep%frame)
       call mark(draft%frame, ids_of_family(draft, block, line, OF_FRAME), keep%frame)
-      call mark(draft%frame, ids_of_family(draft, block, line, OF_SKEW), keep%frame)
-      call mark(draft%curve, ids_of_family(draft, block, line, OF_FUNCTION), keep%curve)
-      call mark(draft%sensor, ids_of_family(draft, block, line, OF_SENSOR), keep%sensor)
+      call mark(draft%curve, functions, keep%curve)
+      call mark(draft%sensor, sensors, keep%sensor)
+      call refuse(draft, draft%curve, 'function', functions, line)
+      call refuse(draft, draft%sensor, 'sensor', sensors, line)
    end subroutine mark_line
 
    pure subroutine mark(lookup, ids, marks)
@@ -262,6 +269,24 @@ contains
          if (place > 0) marks(place) = .true.
       end do
    end subroutine mark
+
+   !> What is kept names a thing of a kind that is not read
+   subroutine refuse(draft, lookup, what, ids, line)
+      type(draft_t), intent(inout) :: draft
+      type(lookup_t), intent(in) :: lookup
+      character(len=*), intent(in) :: what
+      integer, intent(in) :: ids(:), line
+
+      integer :: i, block
+
+      do i = 1, size(ids)
+         if (find(lookup, ids(i)) > 0) cycle
+         block = unsupported(draft%deck, what, ids(i))
+         if (block > 0) call report_line(draft%deck, line, SEV_ERROR, 'KJ-9415', what//' '// &
+            str(ids(i))//' is needed in the mechanism, and of a kind that is not read', &
+            'names '//line_text(draft%deck, draft%deck%block(block)%header))
+      end do
+   end subroutine refuse
 
    !> Ids of one family on a card
    function ids_of_family(draft, block, line, family) result(ids)

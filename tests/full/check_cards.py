@@ -204,10 +204,49 @@ def acts(c):
                                                   + real(0) + ints(1) + "\n\n\n"), "error", "KJ-9116")
 
 
+def references(c):
+    """What the mechanism of two bodies with a revolute joint and two springs names."""
+    text = (pathlib.Path(__file__).parent/"two_bodies"/"two_bodies_0000.rad").read_text()
+    engine = (pathlib.Path(__file__).parent/"two_bodies"/"two_bodies_0001.rad").read_text()
+    apart = "/NODE\n" + node(300, 0, 20, 0) + node(301, 1, 20, 0) + node(302, 0, 21, 0)
+
+    def changed(before, after):
+        assert before in text, before
+        return text.replace(before, after, 1)
+    gravity = "/GRAV/1\ng\n        11         Y         0"
+    c.says("a sensor of another kind", changed(gravity + ints(0), "/SENSOR/DIST/4\ns\n\n" + gravity + ints(4)), "error", "KJ-9415")
+    c.says("a sensor that nothing names", changed(gravity, "/SENSOR/DIST/4\ns\n\n" + gravity), None, "KJ-9415")
+    c.says("a function in Python", changed("/FUNCT/11\n", "/FUNCT_PYTHON/11\n"), "error", "KJ-9415")
+    c.says("axes of a joint on no body", apart + changed("        60        61        62\n/SKEW/MOV/2", ints(60, 61, 302) + "\n/SKEW/MOV/2"),
+           "error", "KJ-9422")
+    still = changed("/SPRING/6\n         2         3        17", "/SKEW/MOV/9\ns\n" + ints(300, 301, 302) + "\n/SPRING/6\n"
+                   + ints(2, 3, 17) + 60*" " + ints(9))
+    c.says("axes of a spring on no body", apart + still, "warning", "KJ-9423")
+    c.check("they stand still", "/SKEW/FIX/9\n" in (c.work/"mech_0000.rad").read_text(), "no /SKEW/FIX/9")
+    c.says("springs of a law that is not read", changed("/PROP/SPRING/7", "/PROP/SPR_PRE/7"), "warning", "KJ-9426")
+    c.says("a spring on a node that is not there", changed("         3         2        16", ints(3, 2, 999)), "error", "KJ-0078")
+    c.says("an element on a node that is not there", changed("         1         1         2         3         4", ints(1, 1, 2, 3, 999)),
+           "error", "KJ-0078")
+    for words, severity, number in (("/DYREL\n1.0 1.0", "error", "KJ-9022"), ("/KEREL", "error", "KJ-9022"), ("/ADYREL", "error", "KJ-9022"),
+                                    ("/RBODY/OFF\n       101", "error", "KJ-9022"), ("/RBODY/ON\n       101", None, "KJ-9022"),
+                                    ("/DT/NODA/CST\n0.9 1e-3", "warning", "KJ-9425"), ("/DT/BRICK/DEL\n0.9 1e-3", None, "KJ-9022"),
+                                    ("/H3D/ELEM/VONM", None, "KJ-9022"), ("/DEL/SHELL/1", None, "KJ-9022")):
+        said = c.extract(text, engine=engine + words + "\n")["findings"]
+        right = [f["severity"] for f in said if f["id"] == number]
+        c.check(words, right[:1] == [severity] if severity else not right, said)
+    bridge = "/PART/8\nrubber\n" + ints(2, 2, 0) + "\n/TETRA4/8\n" + ints(50, 1, 2, 11, 12) + "\n"
+    loose = changed("/SPRING/5\n", bridge + "/SPRING/5\n")
+    c.says("bodies that a joint holds", loose, None, "KJ-9429")
+    for spring in ("         1        60        63\n", "         2         3        17\n", "         3         2        16\n"):
+        loose = loose.replace(spring, "")
+    c.says("bodies that fall apart", loose.replace("/TH/SPRING/3\nsprings\nDEF\n         1\n         2\n         3\n", ""), "warning",
+           "KJ-9429")
+
+
 def main(kjoint):
     with tempfile.TemporaryDirectory() as work:
         c = Checks(pathlib.Path(kjoint).resolve(), work)
-        for part in (masses, moves, parameters, structure, acts):
+        for part in (masses, moves, parameters, structure, acts, references):
             part(c)
     print(f"{c.n - c.wrong} of {c.n} right")
     return c.wrong > 0
