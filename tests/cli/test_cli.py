@@ -378,7 +378,8 @@ class Check(Program):
             self.assertLess(abs(first["time_step"]/(0.9*rule) - 1), 3e-8, deck)
             return rule
 
-        for case in ("parity/FRE01", "parity/SPH01", "parity45/KREV1", "parity45/KFRE1"):
+        for case in ("parity/FRE01", "parity/SPH01", "parity45/KREV1", "parity45/KFRE1", "springs/S402", "springs/S804",
+                     "springs/P21", "springs/H441"):
             compare(SOURCE / "tests" / case / f"{case.split('/')[1]}_0000.rad")
         by_inertia = compare("REV01_0000.rad")
         self.deck_with("0.0262512168304855670.0473428526495739760.056405930519940466",
