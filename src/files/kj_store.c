@@ -10,6 +10,8 @@
    - The length of each dataset and the root of its index stand together with those of the others in a
      table of a page or a few, which is written last, that of time at the end of it.
    - The outcome of the run is prepared in that table as messages that are nothing yet.
+   - The superblock tells an end of the file that lies some commits ahead, and the file has that length, with
+     a hole at its end: who has read it sees what comes in the meantime, too.
 
    One write within one page of a file is whole or not there at all when a process is killed. */
 #define _GNU_SOURCE
@@ -22,7 +24,7 @@
 #include "kj_h5_form.h"
 #include "kj_store.h"
 
-enum { PAGE = KJ_PAGE, FAN = 64, QUARANTINE = 3, MOST_LEVELS = 10, NODE_HEAD = 24, LEFT = 8, RIGHT = 16,
+enum { PAGE = KJ_PAGE, FAN = 64, AHEAD = 8, QUARANTINE = 3, MOST_LEVELS = 10, NODE_HEAD = 24, LEFT = 8, RIGHT = 16,
    MOST_BLOCK = 1024 };
 
 typedef struct { uint64_t address; int used, dirty; unsigned char *bytes; } kj_node;
@@ -47,6 +49,7 @@ struct kj_store {
    int file;
    uint64_t end;                             /* of the file */
    uint64_t told;                            /* of it, as the superblock says */
+   uint64_t committed, most;                 /* end at the last commit, largest growth by one */
    unsigned char super[128];
    uint64_t table_at;
    unsigned char *table;                     /* of whole pages */
@@ -317,16 +320,33 @@ static int write_nodes(kj_store *o, kj_series *s)
    return 0;
 }
 
+/* Tell where the file ends, in the superblock. Negative when that fails */
+static int tell_end(kj_store *o, uint64_t end)
+{
+   if (end == o->told) return 0;
+   kj_put_end(o->super, end);
+   o->told = end;
+   return write_at(o->file, 0, kj_super_size(o->super), o->super);
+}
+
+/* The end that the superblock tells lies as far ahead as AHEAD commits grow, where the system lets it */
+static int tell_ahead(kj_store *o)
+{
+   uint64_t growth = o->end - o->committed, end;
+
+   if (growth > o->most) o->most = growth;
+   o->committed = o->end;
+   end = o->end + AHEAD*o->most;
+   if (o->told >= o->end + AHEAD/2*o->most) return 0;
+   return tell_end(o, ftruncate(o->file, (off_t)end) == 0 ? end : o->end);
+}
+
 /* From now on the file has `rows` rows. Negative when it fails; then it has those of before. */
 int kj_store_commit(kj_store *o, size_t rows)
 {
    size_t i;
 
-   if (o->end != o->told) {
-      kj_put_end(o->super, o->end);
-      if (write_at(o->file, 0, kj_super_size(o->super), o->super) < 0) return -1;
-      o->told = o->end;
-   }
+   if (tell_ahead(o) < 0) return -1;
    for (i = 0; i < o->n_series; i++)
       if (write_nodes(o, &o->series[i]) < 0) return -1;
    for (i = 0; i < o->n_series; i++) {
@@ -516,7 +536,7 @@ kj_store *kj_store_begin(int file, hid_t h5, size_t n_series, const hid_t *serie
    if (fine) {
       hide_outcome(o);
       kj_put_end(image, o->end);
-      o->told = o->end;
+      o->told = o->committed = o->end;
       if (live) kj_super_live(image);
       memcpy(o->super, image, sizeof o->super);
       fine = write_at(file, o->table_at, o->n_table, o->table) == 0 &&
@@ -541,13 +561,11 @@ void kj_store_last(kj_store *o)
 int kj_store_close(kj_store *o)
 {
    const kj_hole *hole = o->n_hole > 0 ? &o->hole[o->n_hole - 1] : NULL;
-   int status = 0;
+   int status;
 
-   if (hole && o->quarantine == 1 && hole->address + hole->size == o->end && hole->since < o->commits) {
-      kj_put_end(o->super, hole->address);
-      status = write_at(o->file, 0, kj_super_size(o->super), o->super);
-      if (status == 0) o->end = hole->address;
-   }
+   if (hole && o->quarantine == 1 && hole->address + hole->size == o->end && hole->since < o->commits)
+      o->end = hole->address;
+   status = tell_end(o, o->end);
    if (ftruncate(o->file, (off_t)o->end) < 0) status = -1;
    if (close(o->file) < 0) status = -1;
    kj_store_free(o);

@@ -14,6 +14,7 @@ import time
 import unittest
 
 import h5py
+import xarray
 
 WELL, RAN_AGAINST, INPUT, FILE = 0, 1, 2, 3
 
@@ -206,6 +207,59 @@ class Life(Commands):
         """Opened once by SWMR; other readers open it, too"""
         self.polled(True, "--live")
         self.attributes("x.h5")
+
+    def test_handles_one_after_the_other_follow_a_run(self):
+        """From one open file: each look opens its datasets, and refreshes them"""
+        self.start("x.h5", "--live")
+        seen = 0
+        with h5py.File(self.folder / "x.h5", "r", swmr=True) as file:
+            for look in range(3):
+                rows = seen
+                while rows == seen:
+                    time.sleep(0.1)
+                    file["time"].refresh()
+                    rows = len(file["time"])
+                force = file["joint/force"]
+                force.refresh()
+                self.assertTrue(abs(force[:][1:rows]).max(axis=(1, 2)).all(), look)
+                del force
+                seen = rows
+
+    def rows_of(self, name):
+        """As another process sees them, which has not opened the file before"""
+        look = f"import h5py; print(len(h5py.File('{name}')['time']))"
+        return int(subprocess.run([sys.executable, "-c", look], cwd=self.folder, capture_output=True, check=True).stdout)
+
+    def test_datasets_that_are_opened_late_can_be_read(self):
+        """A reader has the file open while the run goes on, and only then opens what is in it: rows of then"""
+        self.start("x.h5")
+        for _ in range(3):
+            with h5py.File(self.folder / "x.h5") as file:
+                before = rows = self.rows_of("x.h5")
+                while rows == before:
+                    time.sleep(0.1)
+                    rows = self.rows_of("x.h5")
+                self.assertGreaterEqual(len(file["joint/force"][:]), rows)
+                self.assertGreaterEqual(len(file["rigid_body/position"][:]), rows)
+
+    def test_xarray_reads_a_run(self):
+        """The root, a group, and all as a tree, by both of its engines, as the run goes on"""
+        self.start("x.h5")
+        seen = 0
+        for engine in ("netcdf4", "h5netcdf", "netcdf4"):
+            while self.rows_of("x.h5") == seen:
+                time.sleep(0.1)
+            path = self.folder / "x.h5"
+            with xarray.open_dataset(path, engine=engine) as run:
+                rows = run.sizes["time"]
+                self.assertTrue((run.kinetic_energy_trans.values[1:] > 0).all())
+            with xarray.open_dataset(path, engine=engine, group="joint") as joint:
+                self.assertGreaterEqual(joint.sizes["time"], rows)
+                self.assertTrue(abs(joint.force.values[1:]).max(axis=(1, 2)).all())
+            with xarray.open_datatree(path, engine=engine) as tree:
+                self.assertGreaterEqual(tree["rigid_body"].position.values.shape[0], rows)
+            self.assertGreater(rows, seen)
+            seen = rows
 
     def test_watch_ends_with_the_run(self):
         run = self.start("x.h5")
