@@ -24,7 +24,7 @@ module kj_checkpoint
 
    public :: save_scene, restore_scene
 
-   character(len=*), parameter :: KIND = 'kjoint state 1'
+   character(len=*), parameter :: KIND = 'kjoint state 2'
 
    !> What a state has to have in common with the scene that it is restored to
    type :: head_t

@@ -1,11 +1,12 @@
 !> State of the joints of a host as a flat array: saved, and restored to go on with the same bits.
 module kj_host_state
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
-   use kj_legacy_joint, only: legacy_joint_t, legacy_rows => rows_of
-   use kj_block, only: block_of, lane_of
-   use kj_consistent_batch, only: consistent_joint_t, rows_of
+   use kj_legacy_joint, only: legacy_joint_t
+   use kj_block, only: rows_at, block_of, lane_of
+   use kj_consistent_batch, only: consistent_joint_t
    use kj_host, only: joint_set_t
    use kj_host_scheme, only: follows_nodes
    implicit none
@@ -133,45 +134,49 @@ contains
 
    subroutine pass_legacy(n, joint, tape)
       integer, intent(in) :: n                   !! joints
-      type(legacy_joint_t), intent(inout) :: joint
+      type(legacy_joint_t), target, intent(inout) :: joint
       type(tape_t), intent(inout) :: tape
 
-      real(wp), pointer :: row(:, :)
-      integer :: i
+      integer :: i, at
 
       do i = 1, n
-         call legacy_rows(joint%block(block_of(i)), row)
-         call pass(row(lane_of(i), :), tape)
-         if (allocated(joint%spring)) then
-            call legacy_rows(joint%spring(block_of(i)), row)
-            call pass(row(lane_of(i), :), tape)
-         end if
-         if (.not. allocated(joint%limit)) cycle
-         call legacy_rows(joint%limit(block_of(i)), row)
-         call pass(row(lane_of(i), :), tape)
+         at = block_of(i)
+         call pass_row(c_loc(joint%block(at)), storage_size(joint%block), lane_of(i), tape)
+         if (allocated(joint%spring)) &
+            call pass_row(c_loc(joint%spring(at)), storage_size(joint%spring), lane_of(i), tape)
+         if (allocated(joint%limit)) &
+            call pass_row(c_loc(joint%limit(at)), storage_size(joint%limit), lane_of(i), tape)
       end do
    end subroutine pass_legacy
 
    subroutine pass_consistent(n, joint, tape)
       integer, intent(in) :: n                   !! joints
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_joint_t), target, intent(inout) :: joint
+      type(tape_t), intent(inout) :: tape
+
+      integer :: i, at
+
+      do i = 1, n
+         at = block_of(i)
+         call pass_row(c_loc(joint%block(at)), storage_size(joint%block), lane_of(i), tape)
+         if (allocated(joint%spring)) &
+            call pass_row(c_loc(joint%spring(at)), storage_size(joint%spring), lane_of(i), tape)
+         if (allocated(joint%limit)) &
+            call pass_row(c_loc(joint%limit(at)), storage_size(joint%limit), lane_of(i), tape)
+      end do
+   end subroutine pass_consistent
+
+   !> What goes with a joint of the block at an address
+   subroutine pass_row(block_at, bits, lane, tape)
+      type(c_ptr), intent(in) :: block_at
+      integer, intent(in) :: bits, lane          !! size of the block, place in it
       type(tape_t), intent(inout) :: tape
 
       real(wp), pointer :: row(:, :)
-      integer :: i
 
-      do i = 1, n
-         call rows_of(joint%block(block_of(i)), row)
-         call pass(row(lane_of(i), :), tape)
-         if (allocated(joint%spring)) then
-            call rows_of(joint%spring(block_of(i)), row)
-            call pass(row(lane_of(i), :), tape)
-         end if
-         if (.not. allocated(joint%limit)) cycle
-         call rows_of(joint%limit(block_of(i)), row)
-         call pass(row(lane_of(i), :), tape)
-      end do
-   end subroutine pass_consistent
+      call rows_at(block_at, bits, row)
+      call pass(row(lane, :), tape)
+   end subroutine pass_row
 
    !> Numbers onto the tape, off it, or, when it is empty, only counted
    subroutine pass(values, tape)

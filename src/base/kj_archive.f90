@@ -10,7 +10,7 @@ module kj_archive
    implicit none
    private
 
-   public :: archive_t, new_archive, close_archive, open_archive, keep, keep_bytes, is_done
+   public :: archive_t, new_archive, close_archive, open_archive, keep, keep_blocks, is_done
 
    !> Bytes, and where passing stands
    type :: archive_t
@@ -65,6 +65,15 @@ contains
       is_done = .not. self%damaged .and. self%n == size(self%byte, kind=int64)
    end function is_done
 
+   !> n blocks of so many bits at an address
+   subroutine keep_blocks(self, address, n, bits)
+      type(archive_t), intent(inout) :: self
+      type(c_ptr), intent(in) :: address
+      integer, intent(in) :: n, bits
+
+      call keep_bytes(self, address, int(n, int64)*(bits/8))
+   end subroutine keep_blocks
+
    !> n bytes at an address
    subroutine keep_bytes(self, address, n)
       type(archive_t), intent(inout) :: self
@@ -107,6 +116,7 @@ contains
       call keep_bytes(self, c_loc(x), 8_int64)
    end subroutine keep_real
 
+   !> A flag that is neither 0 nor 1 is damage
    subroutine keep_logical(self, x)
       type(archive_t), intent(inout) :: self
       logical, intent(inout) :: x
@@ -115,6 +125,7 @@ contains
 
       flag = merge(1, 0, x)
       call keep_integer(self, flag)
+      self%damaged = self%damaged .or. all(flag /= [0, 1])
       x = flag == 1
    end subroutine keep_logical
 
@@ -122,45 +133,46 @@ contains
       type(archive_t), intent(inout) :: self
       character(len=:), allocatable, intent(inout) :: x
 
-      integer, allocatable :: code(:)
-      integer :: i
+      integer(int8), allocatable, target :: code(:)
+      integer :: n
 
-      if (self%saving) code = [(ichar(x(i:i)), i=1, len(x))]
-      call keep_integers_1(self, code)
-      if (self%saving .or. self%damaged .or. .not. allocated(code)) return
-      x = repeat(' ', size(code))
-      do i = 1, size(code)
-         x(i:i) = char(modulo(code(i), 256))
-      end do
+      n = 0
+      if (self%saving) n = len(x)
+      call keep_integer(self, n)
+      self%damaged = self%damaged .or. n < 0 .or. (n > size(self%byte) .and. .not. self%saving)
+      if (self%damaged) return
+      allocate (code(n))
+      if (self%saving) code = transfer(x, code, n)
+      if (n > 0) call keep_bytes(self, c_loc(code), int(n, int64))
+      if (.not. self%saving) x = transfer(code, repeat(' ', n))
    end subroutine keep_text
 
-   !> Whether an array is there, and its bounds. There: it is in the archive, and can be passed.
-   subroutine keep_bounds(self, is_allocated, low, high, there)
+   !> Whether an array is in the archive, which then can be passed, and its bounds: a row for each
+   !> dimension, as it has them, or the archive
+   subroutine keep_bounds(self, is_allocated, bounds, there)
       type(archive_t), intent(inout) :: self
       logical, intent(in) :: is_allocated
-      integer, intent(inout) :: low(:), high(:)
+      integer, intent(inout) :: bounds(:, :)     !! (dimensions, 2)
       logical, intent(out) :: there
 
+      integer :: had(size(bounds, 1), 2), i
       integer(int64) :: many
-      integer :: had(size(low), 2), i
 
-      had(:, 1) = low
-      had(:, 2) = high
+      had = bounds
       there = is_allocated
       call keep_logical(self, there)
-      if (.not. there) self%damaged = self%damaged .or. is_allocated
+      self%damaged = self%damaged .or. (is_allocated .and. .not. there)
       there = there .and. .not. self%damaged
       if (.not. there) return
       many = 1
-      do i = 1, size(low)
-         call keep_integer(self, low(i))
-         call keep_integer(self, high(i))
-         many = many*max(0_int64, int(high(i), int64) - low(i) + 1)
-         if (.not. self%saving .and. many > size(self%byte, kind=int64)) exit
+      do i = 1, size(bounds, 1)
+         call keep_integer(self, bounds(i, 1))
+         call keep_integer(self, bounds(i, 2))
+         many = many*max(0_int64, int(bounds(i, 2), int64) - bounds(i, 1) + 1)
+         if (many > size(self%byte, kind=int64)) exit
       end do
       if (.not. self%saving) self%damaged = self%damaged .or. many > size(self%byte, kind=int64)
-      if (is_allocated) self%damaged = self%damaged .or. any(had(:, 1) /= low) .or. &
-         any(had(:, 2) /= high)
+      if (is_allocated) self%damaged = self%damaged .or. any(had /= bounds)
       there = .not. self%damaged
    end subroutine keep_bounds
 
@@ -168,101 +180,86 @@ contains
       type(archive_t), intent(inout) :: self
       integer, allocatable, target, intent(inout) :: x(:)
 
-      integer :: low(1), high(1)
+      integer :: b(1, 2)
       logical :: there
 
-      low = 1
-      high = 0
-      if (allocated(x)) low = lbound(x)
-      if (allocated(x)) high = ubound(x)
-      call keep_bounds(self, allocated(x), low, high, there)
+      if (allocated(x)) b(1, :) = [lbound(x), ubound(x)]
+      call keep_bounds(self, allocated(x), b, there)
       if (.not. there) return
-      if (.not. allocated(x)) allocate (x(low(1):high(1)))
-      if (size(x) > 0) call keep_bytes(self, c_loc(x), 4*size(x, kind=int64))
+      if (.not. allocated(x)) allocate (x(b(1, 1):b(1, 2)))
+      call keep_blocks(self, c_loc(x), size(x), storage_size(x))
    end subroutine keep_integers_1
 
    subroutine keep_integers_2(self, x)
       type(archive_t), intent(inout) :: self
       integer, allocatable, target, intent(inout) :: x(:, :)
 
-      integer :: low(2), high(2)
+      integer :: b(2, 2)
       logical :: there
 
-      low = 1
-      high = 0
-      if (allocated(x)) low = lbound(x)
-      if (allocated(x)) high = ubound(x)
-      call keep_bounds(self, allocated(x), low, high, there)
+      if (allocated(x)) b = reshape([lbound(x), ubound(x)], [2, 2])
+      call keep_bounds(self, allocated(x), b, there)
       if (.not. there) return
-      if (.not. allocated(x)) allocate (x(low(1):high(1), low(2):high(2)))
-      if (size(x) > 0) call keep_bytes(self, c_loc(x), 4*size(x, kind=int64))
+      if (.not. allocated(x)) allocate (x(b(1, 1):b(1, 2), b(2, 1):b(2, 2)))
+      call keep_blocks(self, c_loc(x), size(x), storage_size(x))
    end subroutine keep_integers_2
 
    subroutine keep_logicals(self, x)
       type(archive_t), intent(inout) :: self
-      logical, allocatable, target, intent(inout) :: x(:)
+      logical, allocatable, intent(inout) :: x(:)
 
-      integer, allocatable :: flag(:)
+      integer :: b(1, 2), i
+      logical :: there
 
-      if (allocated(x)) then
-         allocate (flag(lbound(x, 1):ubound(x, 1)))
-         flag = merge(1, 0, x)
-      end if
-      call keep_integers_1(self, flag)
-      if (self%damaged .or. .not. allocated(flag)) return
-      if (.not. allocated(x)) allocate (x(lbound(flag, 1):ubound(flag, 1)))
-      x = flag == 1
+      if (allocated(x)) b(1, :) = [lbound(x), ubound(x)]
+      call keep_bounds(self, allocated(x), b, there)
+      if (.not. there) return
+      if (.not. allocated(x)) allocate (x(b(1, 1):b(1, 2)), source=.false.)
+      do i = b(1, 1), b(1, 2)
+         call keep_logical(self, x(i))
+      end do
    end subroutine keep_logicals
 
    subroutine keep_reals_1(self, x)
       type(archive_t), intent(inout) :: self
       real(wp), allocatable, target, intent(inout) :: x(:)
 
-      integer :: low(1), high(1)
+      integer :: b(1, 2)
       logical :: there
 
-      low = 1
-      high = 0
-      if (allocated(x)) low = lbound(x)
-      if (allocated(x)) high = ubound(x)
-      call keep_bounds(self, allocated(x), low, high, there)
+      if (allocated(x)) b(1, :) = [lbound(x), ubound(x)]
+      call keep_bounds(self, allocated(x), b, there)
       if (.not. there) return
-      if (.not. allocated(x)) allocate (x(low(1):high(1)))
-      if (size(x) > 0) call keep_bytes(self, c_loc(x), 8*size(x, kind=int64))
+      if (.not. allocated(x)) allocate (x(b(1, 1):b(1, 2)))
+      call keep_blocks(self, c_loc(x), size(x), storage_size(x))
    end subroutine keep_reals_1
 
    subroutine keep_reals_2(self, x)
       type(archive_t), intent(inout) :: self
       real(wp), allocatable, target, intent(inout) :: x(:, :)
 
-      integer :: low(2), high(2)
+      integer :: b(2, 2)
       logical :: there
 
-      low = 1
-      high = 0
-      if (allocated(x)) low = lbound(x)
-      if (allocated(x)) high = ubound(x)
-      call keep_bounds(self, allocated(x), low, high, there)
+      if (allocated(x)) b = reshape([lbound(x), ubound(x)], [2, 2])
+      call keep_bounds(self, allocated(x), b, there)
       if (.not. there) return
-      if (.not. allocated(x)) allocate (x(low(1):high(1), low(2):high(2)))
-      if (size(x) > 0) call keep_bytes(self, c_loc(x), 8*size(x, kind=int64))
+      if (.not. allocated(x)) allocate (x(b(1, 1):b(1, 2), b(2, 1):b(2, 2)))
+      call keep_blocks(self, c_loc(x), size(x), storage_size(x))
    end subroutine keep_reals_2
 
    subroutine keep_reals_3(self, x)
       type(archive_t), intent(inout) :: self
       real(wp), allocatable, target, intent(inout) :: x(:, :, :)
 
-      integer :: low(3), high(3)
+      integer :: b(3, 2)
       logical :: there
 
-      low = 1
-      high = 0
-      if (allocated(x)) low = lbound(x)
-      if (allocated(x)) high = ubound(x)
-      call keep_bounds(self, allocated(x), low, high, there)
+      if (allocated(x)) b = reshape([lbound(x), ubound(x)], [3, 2])
+      call keep_bounds(self, allocated(x), b, there)
       if (.not. there) return
-      if (.not. allocated(x)) allocate (x(low(1):high(1), low(2):high(2), low(3):high(3)))
-      if (size(x) > 0) call keep_bytes(self, c_loc(x), 8*size(x, kind=int64))
+      if (.not. allocated(x)) allocate (x(b(1, 1):b(1, 2), b(2, 1):b(2, 2), b(3, 1):b(3, 2)))
+      call keep_blocks(self, c_loc(x), size(x), storage_size(x))
    end subroutine keep_reals_3
 
 end module kj_archive

@@ -2,12 +2,10 @@
 !> tests/cli/test_fields.py compares it with the types.
 module kj_consistent_archive
    use, intrinsic :: iso_c_binding, only: c_loc
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kj_kinds, only: wp
-   use kj_archive, only: archive_t, keep, keep_bytes
+   use kj_archive, only: archive_t, keep, keep_blocks
    use kj_gravity, only: keep_gravity
    use kj_consistent_matrix, only: poses_t
-   use kj_consistent_batch, only: consistent_joint_t, rows_of
+   use kj_consistent_batch, only: consistent_joint_t
    use kj_consistent_safe_step, only: bound_t
    use kj_consistent_impact_step, only: contact_t
    use kj_consistent_state, only: consistent_state_t, kept_t
@@ -103,26 +101,14 @@ contains
    !> Blocks as a whole
    subroutine keep_joint(self, joint)
       type(archive_t), intent(inout) :: self
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_joint_t), target, intent(inout) :: joint
 
-      real(wp), pointer :: row(:, :)
-      integer :: i
-
-      do i = 1, size(joint%block)
-         call rows_of(joint%block(i), row)
-         call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
-      end do
-      if (allocated(joint%limit)) then
-         do i = 1, size(joint%limit)
-            call rows_of(joint%limit(i), row)
-            call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
-         end do
-      end if
-      if (.not. allocated(joint%spring)) return
-      do i = 1, size(joint%spring)
-         call rows_of(joint%spring(i), row)
-         call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
-      end do
+      call keep_blocks(self, c_loc(joint%block(1)), size(joint%block), storage_size(joint%block))
+      if (allocated(joint%limit)) &
+         call keep_blocks(self, c_loc(joint%limit(1)), size(joint%limit), storage_size(joint%limit))
+      if (allocated(joint%spring)) &
+         call keep_blocks(self, c_loc(joint%spring(1)), size(joint%spring), &
+            storage_size(joint%spring))
    end subroutine keep_joint
 
    !> Where the march stands

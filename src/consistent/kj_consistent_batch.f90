@@ -1,18 +1,17 @@
 !> State of all joints of one batch under the consistent formulation.
 module kj_consistent_batch
-   use, intrinsic :: iso_c_binding, only: c_loc
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
    use kj_joint_batch, only: joint_batch_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, LAW_DAMPER, &
       LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened
    use kj_spring_law, only: spring_block_t, WAITING, ALIVE
-   use kj_block, only: BLOCK, rows_at, block_of, lane_of
+   use kj_block, only: BLOCK, block_of, lane_of
    implicit none
    private
 
    public :: matrix_t, consistent_block_t, limit_block_t, consistent_joint_t, &
-      new_consistent_joint, rows_of, chart_of, frame_of, sprung_dofs, damped_dofs
+      new_consistent_joint, chart_of, frame_of, sprung_dofs, damped_dofs
 
    !> The matrix B of q' = B u of a block of joints, as what unit forces do (kj_consistent_chart); W
    type :: matrix_t
@@ -24,7 +23,7 @@ module kj_consistent_batch
    end type matrix_t
 
    !> State of a block of joints. A field stands here and nowhere else: blocks are saved, restored
-   !> and gathered as a whole (rows_of)
+   !> and gathered as a whole (rows_at)
    type :: consistent_block_t
       sequence
       real(wp) :: q(BLOCK, 6) = 0.0_wp           !! coordinates
@@ -57,11 +56,6 @@ module kj_consistent_batch
       type(limit_block_t), allocatable :: limit(:)   !! of limited batches only
       type(spring_block_t), allocatable :: spring(:)   !! of hardened springs only
    end type consistent_joint_t
-
-   !> A block as (BLOCK, fields)
-   interface rows_of
-      module procedure rows_of_block, rows_of_limits, rows_of_springs
-   end interface rows_of
 
 contains
 
@@ -107,28 +101,6 @@ contains
             joint%spring(block_of(i))%alive(lane_of(i)) = WAITING
       end do
    end subroutine new_consistent_joint
-
-   !> What goes with a joint from place to place is its row
-   subroutine rows_of_block(state, row)
-      type(consistent_block_t), target, intent(in) :: state
-      real(wp), pointer, intent(out) :: row(:, :)
-
-      call rows_at(c_loc(state), storage_size(state), row)
-   end subroutine rows_of_block
-
-   subroutine rows_of_limits(state, row)
-      type(limit_block_t), target, intent(in) :: state
-      real(wp), pointer, intent(out) :: row(:, :)
-
-      call rows_at(c_loc(state), storage_size(state), row)
-   end subroutine rows_of_limits
-
-   subroutine rows_of_springs(state, row)
-      type(spring_block_t), target, intent(in) :: state
-      real(wp), pointer, intent(out) :: row(:, :)
-
-      call rows_at(c_loc(state), storage_size(state), row)
-   end subroutine rows_of_springs
 
    !> Frame of a joint from its matrix B: the forces of the translations are its axes, or for a
    !> universal joint the dual basis of its axes

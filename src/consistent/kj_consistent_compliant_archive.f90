@@ -2,9 +2,8 @@
 !> matrix, the leads at the start of a step.
 module kj_consistent_compliant_archive
    use, intrinsic :: iso_c_binding, only: c_loc
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kj_archive, only: archive_t, keep, keep_bytes
-   use kj_consistent_compliant_types, only: compliant_t, compliant_block_t
+   use kj_archive, only: archive_t, keep, keep_blocks
+   use kj_consistent_compliant_types, only: compliant_t
    use kj_consistent_compliant_march, only: pace_t
    implicit none
    private
@@ -16,15 +15,15 @@ contains
    !> Multipliers and rows of the joints, and what the next step goes on with
    subroutine keep_compliant(self, state)
       type(archive_t), intent(inout) :: self
-      type(compliant_t), allocatable, intent(inout) :: state
+      type(compliant_t), allocatable, target, intent(inout) :: state
 
-      integer :: b, at
+      integer :: b
 
       if (.not. allocated(state)) return
       do b = 1, size(state%joint)
-         do at = 1, size(state%joint(b)%block)
-            call keep_block(self, state%joint(b)%block(at))
-         end do
+         associate (block_of => state%joint(b)%block)
+            call keep_blocks(self, c_loc(block_of(1)), size(block_of), storage_size(block_of))
+         end associate
       end do
       call keep(self, state%h_factor)
       call keep(self, state%h_last)
@@ -41,13 +40,6 @@ contains
       call keep(self, state%kinetic)
       state%factored = .false.
    end subroutine keep_compliant
-
-   subroutine keep_block(self, block)
-      type(archive_t), intent(inout) :: self
-      type(compliant_block_t), target, intent(inout) :: block
-
-      call keep_bytes(self, c_loc(block), storage_size(block, kind=int64)/8_int64)
-   end subroutine keep_block
 
    !> Where the step control stands, but for its bound
    subroutine keep_pace(self, pace)

@@ -8,6 +8,7 @@
 !> them in any order and the bits of a run stay the same.
 !> Source: docs/theory/consistent.md 14.
 module kj_consistent_islands
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc
    use kj_kinds, only: wp
    use kj_sort, only: sort_unique
    use kj_islands, only: find_islands, element_leads, island_steps
@@ -19,8 +20,8 @@ module kj_consistent_islands
       COMPLIANT
    use kj_consistent_compliant_build, only: make_implicit
    use kj_consistent_compliant_show, only: begin_show, end_show
-   use kj_block, only: block_of, lane_of
-   use kj_consistent_batch, only: consistent_joint_t, rows_of
+   use kj_block, only: rows_at, block_of, lane_of
+   use kj_consistent_batch, only: consistent_joint_t
    implicit none
    private
 
@@ -314,27 +315,34 @@ contains
 
    !> Joints of one batch to their places in that of the scene
    subroutine gather_batch(from, place, to)
-      type(consistent_joint_t), intent(in) :: from
+      type(consistent_joint_t), target, intent(in) :: from
       integer, intent(in) :: place(:)
-      type(consistent_joint_t), intent(inout) :: to
+      type(consistent_joint_t), target, intent(inout) :: to
 
-      real(wp), pointer :: a(:, :), b(:, :)
-      integer :: i
+      integer :: i, a, b
 
       do i = 1, size(place)
-         call rows_of(from%block(block_of(i)), a)
-         call rows_of(to%block(block_of(place(i))), b)
-         b(lane_of(place(i)), :) = a(lane_of(i), :)
-         if (allocated(from%spring)) then
-            call rows_of(from%spring(block_of(i)), a)
-            call rows_of(to%spring(block_of(place(i))), b)
-            b(lane_of(place(i)), :) = a(lane_of(i), :)
-         end if
-         if (.not. allocated(from%limit)) cycle
-         call rows_of(from%limit(block_of(i)), a)
-         call rows_of(to%limit(block_of(place(i))), b)
-         b(lane_of(place(i)), :) = a(lane_of(i), :)
+         a = block_of(i)
+         b = block_of(place(i))
+         call take_row(c_loc(from%block(a)), c_loc(to%block(b)), storage_size(to%block))
+         if (allocated(from%spring)) &
+            call take_row(c_loc(from%spring(a)), c_loc(to%spring(b)), storage_size(to%spring))
+         if (allocated(from%limit)) &
+            call take_row(c_loc(from%limit(a)), c_loc(to%limit(b)), storage_size(to%limit))
       end do
+
+   contains
+
+      subroutine take_row(source, goal, bits)
+         type(c_ptr), intent(in) :: source, goal    !! blocks
+         integer, intent(in) :: bits
+
+         real(wp), pointer :: there(:, :), here(:, :)
+
+         call rows_at(source, bits, there)
+         call rows_at(goal, bits, here)
+         here(lane_of(place(i)), :) = there(lane_of(i), :)
+      end subroutine take_row
    end subroutine gather_batch
 
 end module kj_consistent_islands

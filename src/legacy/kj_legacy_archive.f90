@@ -2,12 +2,10 @@
 !> tests/cli/test_fields.py compares it with the types.
 module kj_legacy_archive
    use, intrinsic :: iso_c_binding, only: c_loc
-   use, intrinsic :: iso_fortran_env, only: int64
-   use kj_kinds, only: wp
-   use kj_archive, only: archive_t, keep, keep_bytes
+   use kj_archive, only: archive_t, keep, keep_blocks
    use kj_gravity, only: keep_gravity
    use kj_legacy_force, only: world_t
-   use kj_legacy_joint, only: legacy_joint_t, rows_of
+   use kj_legacy_joint, only: legacy_joint_t
    use kj_legacy_state, only: legacy_state_t
    implicit none
    private
@@ -100,26 +98,14 @@ contains
    !> Blocks as a whole
    subroutine keep_joint(self, joint)
       type(archive_t), intent(inout) :: self
-      type(legacy_joint_t), intent(inout) :: joint
+      type(legacy_joint_t), target, intent(inout) :: joint
 
-      real(wp), pointer :: row(:, :)
-      integer :: i
-
-      do i = 1, size(joint%block)
-         call rows_of(joint%block(i), row)
-         call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
-      end do
-      if (allocated(joint%limit)) then
-         do i = 1, size(joint%limit)
-            call rows_of(joint%limit(i), row)
-            call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
-         end do
-      end if
-      if (.not. allocated(joint%spring)) return
-      do i = 1, size(joint%spring)
-         call rows_of(joint%spring(i), row)
-         call keep_bytes(self, c_loc(row(1, 1)), 8*size(row, kind=int64))
-      end do
+      call keep_blocks(self, c_loc(joint%block(1)), size(joint%block), storage_size(joint%block))
+      if (allocated(joint%limit)) &
+         call keep_blocks(self, c_loc(joint%limit(1)), size(joint%limit), storage_size(joint%limit))
+      if (allocated(joint%spring)) &
+         call keep_blocks(self, c_loc(joint%spring(1)), size(joint%spring), &
+            storage_size(joint%spring))
    end subroutine keep_joint
 
 end module kj_legacy_archive

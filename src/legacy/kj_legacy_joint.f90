@@ -1,19 +1,18 @@
 !> State of all joints of one batch under the legacy scheme.
 module kj_legacy_joint
-   use, intrinsic :: iso_c_binding, only: c_loc
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: joint_batch_t, is_spring, DOF_FREE, DOF_BLOCKED
-   use kj_block, only: BLOCK, block_of, lane_of, rows_at
+   use kj_block, only: BLOCK, block_of, lane_of
    use kj_nodal_stiffness, only: start_stiffness
    use kj_spring_law, only: spring_block_t, WAITING, ALIVE
    implicit none
    private
 
-   public :: legacy_block_t, legacy_limit_t, legacy_joint_t, new_legacy_joint, rows_of
+   public :: legacy_block_t, legacy_limit_t, legacy_joint_t, new_legacy_joint
 
    !> State of a block of joints. A field stands here and nowhere else: blocks are saved and
-   !> restored as a whole (rows_of)
+   !> restored as a whole (rows_at)
    type :: legacy_block_t
       sequence
       real(wp) :: e(BLOCK, 9) = 0.0_wp           !! joint frame, columns E1 E2 E3
@@ -43,33 +42,7 @@ module kj_legacy_joint
       type(spring_block_t), allocatable :: spring(:)  !! of springs only
    end type legacy_joint_t
 
-   !> A block as (BLOCK, fields)
-   interface rows_of
-      module procedure rows_of_block, rows_of_limits, rows_of_springs
-   end interface rows_of
-
 contains
-
-   subroutine rows_of_block(state, row)
-      type(legacy_block_t), target, intent(in) :: state
-      real(wp), pointer, intent(out) :: row(:, :)
-
-      call rows_at(c_loc(state), storage_size(state), row)
-   end subroutine rows_of_block
-
-   subroutine rows_of_limits(state, row)
-      type(legacy_limit_t), target, intent(in) :: state
-      real(wp), pointer, intent(out) :: row(:, :)
-
-      call rows_at(c_loc(state), storage_size(state), row)
-   end subroutine rows_of_limits
-
-   subroutine rows_of_springs(state, row)
-      type(spring_block_t), target, intent(in) :: state
-      real(wp), pointer, intent(out) :: row(:, :)
-
-      call rows_at(c_loc(state), storage_size(state), row)
-   end subroutine rows_of_springs
 
    !> State at the start: initial frames and angles, stiffness of the time step
    pure subroutine new_legacy_joint(batch, joint)

@@ -158,7 +158,7 @@ contains
       shorter = options
       shorter%threads = 2
       shorter%least_share = 1
-      shorter%until = 0.6180339_wp*status%t_stop      ! that no sample falls on
+      shorter%until = 2.0_wp/3.0_wp*status%t_stop
       call run(deck, shorter, state, parts, keeper, status)
       call move_alloc(keeper%state, state)
       call run(deck, options, state, parts, keeper, status)
