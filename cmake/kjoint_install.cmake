@@ -28,7 +28,9 @@ if(KJOINT_IO AND Python3_FOUND AND NOT SKBUILD)
   set(share ${PROJECT_BINARY_DIR}/share)
   add_custom_command(OUTPUT ${share}/man/man1/kjoint.1.gz VERBATIM
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/manual $<TARGET_FILE:kjoint_cli> ${share}
-    DEPENDS kjoint_cli ${PROJECT_SOURCE_DIR}/tools/manual COMMENT "Manual pages")
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/editors $<TARGET_FILE:kjoint_cli>
+      ${share}/kjoint/editors
+    DEPENDS kjoint_cli ${PROJECT_SOURCE_DIR}/tools/manual ${PROJECT_SOURCE_DIR}/tools/editors COMMENT "Manual pages")
   add_custom_target(kjoint_manual ALL DEPENDS ${share}/man/man1/kjoint.1.gz)
   install(DIRECTORY ${share}/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program)
 endif()

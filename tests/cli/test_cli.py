@@ -758,6 +758,38 @@ class Learn(Program):
                               capture_output=True, text=True, check=True)
         self.assertEqual("--kn-scale\n", done.stdout)
 
+    def test_editors_know_every_keyword(self):
+        subprocess.run([sys.executable, SOURCE / "tools" / "editors", KJOINT, self.folder], check=True)
+        grammar = json.loads((self.folder / "vscode/radioss.tmLanguage.json").read_text())
+        patterns = [(re.compile(row["match"]), row["name"]) for row in grammar["patterns"]]
+        scopes = {}
+        for deck in (SOURCE / "decks").glob("**/*_0000.rad"):
+            for line in deck.read_text().splitlines():
+                if line.startswith("/"):
+                    scopes[line] = next(name for pattern, name in patterns if pattern.search(line))
+        known = {row["keyword"]: row["status"] for row in
+                 json.loads(self.kjoint("list", "keywords", "--json").stdout)["keywords"]}
+        self.assertGreater(len(scopes), 150)
+        for line, scope in scopes.items():
+            name = next((line[:n] for n in range(len(line), 1, -1) if line[:n] in known), None)
+            self.assertEqual({"noted": "comment.block", "unsupported": "invalid.illegal", None: "entity.name.tag"}
+                             .get(known.get(name), "keyword.control"), scope, line)
+        snippets = json.loads((self.folder / "vscode/snippets.json").read_text())
+        grav = snippets["/GRAV"]["body"]
+        self.assertEqual(("/GRAV/${1:1}", "${2:a title}", "$3"), (grav[0], grav[1], grav[-1]))
+        self.assertLessEqual({name for name, status in known.items() if status in ("read", "full only", "aside")},
+                             {one["prefix"] for one in snippets.values()})
+        if shutil.which("vim"):                            # what vim makes of the lines of a deck
+            deck = SOURCE / "decks" / "slider_crank_0000.rad"
+            told = self.folder / "told"
+            subprocess.run(["vim", "-u", "NONE", "-es", "--cmd", f"set rtp^={self.folder}/vim", "-c", "filetype plugin on",
+                            "-c", "syntax on", "-c", f"e {deck}", "-c", f"redir! > {told}", "-c",
+                            "g/^/echo synIDattr(synID(line('.'),1,1),'name') . ' ' . getline('.')[0:1]", "-c", "qa!"],
+                           capture_output=True, check=False, timeout=60)
+            groups = {tuple(line.split(None, 1)) for line in told.read_text().splitlines() if " /" in line or " #" in line}
+            self.assertIn("radRead", {group for group, text in groups if text.startswith("/")})
+            self.assertEqual({"radComment"}, {group for group, text in groups if text.startswith("#")})
+
     def test_the_pages_in_the_documents_are_those_of_the_program(self):
         cards = subprocess.run([sys.executable, SOURCE / "tools" / "cards", KJOINT, "-"],
                                capture_output=True, text=True, check=True).stdout
