@@ -125,19 +125,19 @@ module kj_card_fields
    !       keyword, variant, card, times, columns, name, kind, dimension, since, meaning
    field_t(KW_KJOINT2, EACH, 1,  ONCE,  1,  10, 'type',      'i', D_NUMBER,    0, 'number of the joint type'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 11,  30, 'Kn',        'r', D_STIFFNESS, 0, 'blocking stiffness, 0 = automatic'), &
-   field_t(KW_KJOINT2, EACH, 1,  ONCE, 31,  50, 'SCF',       'r', D_NUMBER,    0, 'scale of the blocked rotations'), &
+   field_t(KW_KJOINT2, EACH, 1,  ONCE, 31,  50, 'SCF',       'r', D_NUMBER,    0, 'scale of the blocked rotations, 0 = 10'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 51,  70, 'Cr',        'r', D_NUMBER,    0, 'twice the damping ratio'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 71,  80, 'sens_id',   'i', D_NUMBER,    0, 'sensor that locks the joint'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 81,  90, 'skew_1',    'i', D_NUMBER,    0, 'axes of end 1'), &
    field_t(KW_KJOINT2, EACH, 1,  ONCE, 91, 100, 'skew_2',    'i', D_NUMBER,    0, 'axes of end 2'), &
    field_t(KW_KJOINT2, EACH, 2,  DOFS,  1,  20, 'K',         'r', D_STIFFNESS, 0, 'stiffness, or scale of f_K'), &
    field_t(KW_KJOINT2, EACH, 2,  DOFS, 21,  30, 'f_K',       'i', D_NUMBER,    0, 'function of force'), &
-   field_t(KW_KJOINT2, EACH, 2,  DOFS, 31,  50, 'SA-',       'r', D_LENGTH,    0, 'lower stop, 0 = none'), &
-   field_t(KW_KJOINT2, EACH, 2,  DOFS, 51,  70, 'SA+',       'r', D_LENGTH,    0, 'upper stop, 0 = none'), &
+   field_t(KW_KJOINT2, EACH, 2,  DOFS, 31,  50, 'SA-',       'r', D_LENGTH,    0, 'lower stop, 0 = none; rotations in rad'), &
+   field_t(KW_KJOINT2, EACH, 2,  DOFS, 51,  70, 'SA+',       'r', D_LENGTH,    0, 'upper stop, 0 = none; rotations in rad'), &
    field_t(KW_KJOINT2, EACH, 2,  DOFS, 71,  80, 'Icomb',     'i', D_NUMBER, 2019, 'combination of stops'), &
    field_t(KW_KJOINT2, EACH, 3,  DOFS,  1,  20, 'C',         'r', D_DAMPING,   0, 'damping, or scale of f_C'), &
    field_t(KW_KJOINT2, EACH, 3,  DOFS, 21,  30, 'f_C',       'i', D_NUMBER,    0, 'function of damping'), &
-   field_t(KW_KJOINT2, EACH, 4,  DOFS,  1,  20, 'Kfr',       'r', D_STIFFNESS, 0, 'stiffness of friction'), &
+   field_t(KW_KJOINT2, EACH, 4,  DOFS,  1,  20, 'Kfr',       'r', D_STIFFNESS, 0, 'stiffness of friction, stops; 0 = blocking'), &
    field_t(KW_KJOINT2, EACH, 4,  DOFS, 21,  40, 'FM',        'r', D_FORCE,     0, 'limit of friction, or scale of f_FM'), &
    field_t(KW_KJOINT2, EACH, 4,  DOFS, 41,  50, 'f_FM',      'i', D_NUMBER,    0, 'function of the limit of friction'), &
    field_t(KW_SPRING4, EACH, 1,  ONCE,  1,  20, 'Mass',      'r', D_MASS,      0, 'mass, half to each node'), &
@@ -393,7 +393,7 @@ module kj_card_fields
    field_t(KW_GRAV,        EACH, 1, ONCE,  61,  80, 'Ascale',   'r', D_TIME,             0, 'scale of the abscissa, 0 = 1'), &
    field_t(KW_GRAV,        EACH, 1, ONCE,  81, 100, 'Fscale',   'r', D_ACCELERATION,     0, 'scale of the function, 0 = 1'), &
    field_t(KW_CLOAD,       EACH, 1, ONCE,   1,  10, 'fct_id',   'i', D_NUMBER,           0, 'function of time'), &
-   field_t(KW_CLOAD,       EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'X, Y, Z, XX, YY or ZZ'), &
+   field_t(KW_CLOAD,       EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'along X Y Z, about XX YY ZZ'), &
    field_t(KW_CLOAD,       EACH, 1, ONCE,  21,  30, 'skew_id',  'i', D_NUMBER,           0, 'axes of the direction'), &
    field_t(KW_CLOAD,       EACH, 1, ONCE,  31,  40, 'sens_id',  'i', D_NUMBER,           0, 'switching sensor'), &
    field_t(KW_CLOAD,       EACH, 1, ONCE,  41,  50, 'grnod_id', 'i', D_NUMBER,           0, 'group of nodes'), &
@@ -401,7 +401,7 @@ module kj_card_fields
    field_t(KW_CLOAD,       EACH, 1, ONCE,  61,  80, 'Ascale',   'r', D_TIME,             0, 'scale of the abscissa, 0 = 1'), &
    field_t(KW_CLOAD,       EACH, 1, ONCE,  81, 100, 'Fscale',   'r', D_NUMBER,           0, 'scale of the function, 0 = 1'), &
    field_t(KW_IMPVEL,      EACH, 1, ONCE,   1,  10, 'fct_id',   'i', D_NUMBER,           0, 'function of time'), &
-   field_t(KW_IMPVEL,      EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'X, Y, Z, XX, YY or ZZ'), &
+   field_t(KW_IMPVEL,      EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'along X Y Z, about XX YY ZZ'), &
    field_t(KW_IMPVEL,      EACH, 1, ONCE,  21,  30, 'skew_id',  'i', D_NUMBER,           0, 'axes of the direction'), &
    field_t(KW_IMPVEL,      EACH, 1, ONCE,  31,  40, 'sens_id',  'i', D_NUMBER,           0, 'switching sensor'), &
    field_t(KW_IMPVEL,      EACH, 1, ONCE,  41,  50, 'grnod_id', 'i', D_NUMBER,           0, 'group of nodes'), &
@@ -412,7 +412,7 @@ module kj_card_fields
    field_t(KW_IMPVEL,      EACH, 2, ONCE,  41,  60, 'Tstart',   'r', D_TIME,             0, 'start'), &
    field_t(KW_IMPVEL,      EACH, 2, ONCE,  61,  80, 'Tstop',    'r', D_TIME,             0, 'end, 0 = never'), &
    field_t(KW_IMPDISP,     EACH, 1, ONCE,   1,  10, 'fct_id',   'i', D_NUMBER,           0, 'function of time'), &
-   field_t(KW_IMPDISP,     EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'X, Y, Z, XX, YY or ZZ'), &
+   field_t(KW_IMPDISP,     EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'along X Y Z, about XX YY ZZ'), &
    field_t(KW_IMPDISP,     EACH, 1, ONCE,  21,  30, 'skew_id',  'i', D_NUMBER,           0, 'axes of the direction'), &
    field_t(KW_IMPDISP,     EACH, 1, ONCE,  31,  40, 'sens_id',  'i', D_NUMBER,           0, 'switching sensor'), &
    field_t(KW_IMPDISP,     EACH, 1, ONCE,  41,  50, 'grnod_id', 'i', D_NUMBER,           0, 'group of nodes'), &
@@ -423,7 +423,7 @@ module kj_card_fields
    field_t(KW_IMPDISP,     EACH, 2, ONCE,  41,  60, 'Tstart',   'r', D_TIME,             0, 'start'), &
    field_t(KW_IMPDISP,     EACH, 2, ONCE,  61,  80, 'Tstop',    'r', D_TIME,             0, 'end, 0 = never'), &
    field_t(KW_IMPACC,      EACH, 1, ONCE,   1,  10, 'fct_id',   'i', D_NUMBER,           0, 'function of time'), &
-   field_t(KW_IMPACC,      EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'X, Y, Z, XX, YY or ZZ'), &
+   field_t(KW_IMPACC,      EACH, 1, ONCE,  11,  20, 'dir',      'a', D_NUMBER,           0, 'along X Y Z, about XX YY ZZ'), &
    field_t(KW_IMPACC,      EACH, 1, ONCE,  21,  30, 'skew_id',  'i', D_NUMBER,           0, 'axes of the direction'), &
    field_t(KW_IMPACC,      EACH, 1, ONCE,  31,  40, 'sens_id',  'i', D_NUMBER,           0, 'switching sensor'), &
    field_t(KW_IMPACC,      EACH, 1, ONCE,  41,  50, 'grnod_id', 'i', D_NUMBER,           0, 'group of nodes'), &
