@@ -7,7 +7,7 @@ module kj_scheme
       SEV_WARNING
    use kj_block, only: block_of, lane_of
    use kj_joint_batch, only: has_friction
-   use kj_model, only: model_t, STOP_BELOW
+   use kj_model, only: model_t, joint_title, STOP_BELOW
    use kj_snapshot, only: snapshot_t, inside_t, new_snapshot
    use kj_legacy_state, only: legacy_state_t, new_legacy_state
    use kj_legacy_step, only: find_accelerations, advance
@@ -117,7 +117,7 @@ contains
                if (.not. (l%t_lock(place) < huge(1.0_wp) .or. any(has_friction(l%k(place, :), &
                   l%slip(place, :), l%slip_curve(place, :))))) cycle
             end associate
-            call fail(error, ERR_INPUT, 'joint '//str(model%joint(j)%id)// &
+            call fail(error, ERR_INPUT, 'joint '//joint_title(model, j)// &
                ' has friction or a lock: these do not go with the integrator rkmk4')
             return
          end associate
@@ -492,7 +492,7 @@ contains
       if (self%now%loosest > LOOSE) then
          write (buffer, '(es8.1)') self%now%loosest
          call note(findings, SEV_WARNING, 'KJ-9216', 'the frame of joint '// &
-            str(model%joint(self%now%loosest_joint)%id)// &
+            joint_title(model, self%now%loosest_joint)// &
             ' lost its orthogonality by up to '//trim(adjustl(buffer))//' rad')
       end if
    end subroutine warn_after

@@ -4,7 +4,7 @@ submodule (kjoint:kjoint_run) kjoint_check
    use kj_joint_batch, only: blocking_stiffness, joint_batch_t, LAW_SPRING_CURVE, &
       LAW_DAMPER_CURVE, has_friction
    use kj_curve, only: curve_set_t, law_value
-   use kj_model, only: model_t, SCALE_NONE
+   use kj_model, only: model_t, joint_title, body_title, SCALE_NONE
    use kj_consistent_state, only: consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_scheme, only: critical_factor, scheme_t, start_scheme, go_on, is_over, warn_after
@@ -12,8 +12,6 @@ submodule (kjoint:kjoint_run) kjoint_check
    use kj_system, only: wall_clock
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_islands, only: find_islands, island_steps
-   use kj_error, only: str
-   use kj_text, only: text_t
    use kj_consistent_nodal_step, only: exact_bound
    use kj_consistent_compliant_check, only: compliant_outlook
    implicit none
@@ -92,14 +90,15 @@ contains
       n = model%n_element
       report%n_spring = model%n_spring
       report%joint = model%joint%id
-      call find_titles(model%joint_name, report%joint, report%joint_title)
       report%property = model%joint%property
       report%row = model%joint%row
+      allocate (report%joint_title(n))
       allocate (report%kind(n), report%frame(n), report%node(2, n), report%automatic(n))
       allocate (report%body(2, n), source=0)
       allocate (report%length(n), report%blocking(2, n), report%ratio(n), source=0.0_wp)
       do j = 1, n
          p = model%joint(j)%place
+         report%joint_title(j)%s = joint_title(model, j)
          associate (b => model%batch(model%joint(j)%batch), node => model%joint(j)%node)
             report%kind(j) = b%kind
             report%frame(j) = b%frame
@@ -117,21 +116,6 @@ contains
          end associate
       end do
    end subroutine tell_joints
-
-   !> "pin C (903)": names as in the deck with their ids, or these alone
-   pure subroutine find_titles(name, id, title)
-      type(text_t), intent(in) :: name(:)
-      integer, intent(in) :: id(:)
-      type(text_t), allocatable, intent(out) :: title(:)
-
-      integer :: i
-
-      allocate (title(size(id)))
-      do i = 1, size(id)
-         title(i)%s = str(id(i))
-         if (len_trim(name(i)%s) > 0) title(i)%s = trim(name(i)%s)//' ('//title(i)%s//')'
-      end do
-   end subroutine find_titles
 
    !> Stops, friction and locks of KJOINT2
    subroutine tell_stops(model, report)
@@ -216,7 +200,10 @@ contains
 
       n = model%n_body
       report%body_id = model%body_id
-      call find_titles(model%body_name, report%body_id, report%body_title)
+      allocate (report%body_title(n))
+      do i = 1, n
+         report%body_title(i)%s = body_title(model, i)
+      end do
       report%n_secondary = model%n_secondary
       report%n_joint = model%map%first(2:n + 1) - model%map%first(:n)
       report%mass = model%mass(:n)

@@ -259,6 +259,7 @@ contains
                ', '//json_member('time_step', s%time_step)// &
                ', '//json_member('time_step_owner_kind', trim(s%owner_kind))// &
                ', '//json_member('time_step_owner', s%owner)// &
+               ', '//json_member('time_step_owner_name', trim(adjustl(outcome%holder)))// &
                ', '//json_member('energy_error', s%energy_error)// &
                ', '//json_member('samples', s%n_sample)// &
                ', '//json_member('joints', s%n_joint)// &

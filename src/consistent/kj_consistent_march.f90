@@ -8,7 +8,7 @@ module kj_consistent_march
    use kj_skew, only: axis_of
    use kj_joint_batch, only: LAW_SPRING, LAW_SPRING_CURVE, LAW_HARDENED, joint_batch_t
    use kj_joint_types, only: CHART_VECTOR
-   use kj_model, only: model_t, STOP_BELOW
+   use kj_model, only: model_t, joint_title, STOP_BELOW
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_block, only: BLOCK, block_of, lane_of
    use kj_consistent_chart, only: quaternion_frame
@@ -277,7 +277,7 @@ contains
       if (at == 0) return
       do j = 1, model%n_element
          if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
-         call fail(error, ERR_RUN, 'joint '//str(model%joint(j)%id)// &
+         call fail(error, ERR_RUN, 'joint '//joint_title(model%model_t, j)// &
             ' has come to a whole turn: '// &
             'three free rotations with springs or a length end there (cycle '// &
             str(state%cycle)//')')

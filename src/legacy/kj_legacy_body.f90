@@ -4,7 +4,7 @@ module kj_legacy_body
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_RUN
    use kj_math3, only: cross, rotation, solve_small
-   use kj_model, only: model_t
+   use kj_model, only: model_t, body_title
    use kj_legacy_state, only: legacy_state_t, crew_t
    use kj_skew, only: axis_of
    use kj_block, only: BLOCK, turn_frames, to_local, to_world
@@ -248,7 +248,7 @@ contains
             if (model%n_secondary(b) <= 2) cycle
             if (state%h2**2*(state%world%w(b, 1)**2 + state%world%w(b, 2)**2 + &
                state%world%w(b, 3)**2) <= 1.0_wp) cycle
-            call fail(error, ERR_RUN, 'body '//str(model%body_id(b))// &
+            call fail(error, ERR_RUN, 'body '//body_title(model, b)// &
                ' turns by more than 1 rad in a step')
             return
          end do

@@ -7,7 +7,7 @@ module kj_legacy_warnings
    use kj_joint_batch, only: joint_batch_t, LAW_SPRING_CURVE, has_friction, has_limits, &
       is_spring
    use kj_curve, only: curve_set_t, law_value
-   use kj_model, only: model_t, BY_TIME
+   use kj_model, only: model_t, joint_title, body_title, BY_TIME
    use kj_legacy_state, only: legacy_state_t
    use kj_legacy_cost, only: spin_cost, node_drift
    implicit none
@@ -150,13 +150,13 @@ contains
    pure function joint_text(model, acts) result(text)
       type(model_t), intent(in) :: model
       logical, intent(in) :: acts(:)             !! (n_joint)
-      character(len=80) :: text
+      character(len=160) :: text
 
       integer :: first
 
-      first = minval(pack(model%joint(:size(acts))%id, acts))
-      text = 'joint '//str(first)
-      if (count(acts) > 1) text = str(count(acts))//' joints, the first '//str(first)
+      first = minloc(model%joint(:size(acts))%id, dim=1, mask=acts)
+      text = 'joint '//joint_title(model, first)
+      if (count(acts) > 1) text = str(count(acts))//' joints, the first '//joint_title(model, first)
    end function joint_text
 
    !> Consecutive concentrated loads with one curve but other abscissa scales or abscissae
@@ -191,7 +191,7 @@ contains
 
       call spin_cost(state, at, gain, angle)
       if (abs(gain) > SPIN_GAIN .or. angle > SPIN_ANGLE) call warn(findings, 'KJ-9206', &
-         'rigid body '//str(model%body_id(at))//': its spin, which the legacy scheme takes '// &
+         'rigid body '//body_title(model, at)//': its spin, which the legacy scheme takes '// &
          'half a step old, has changed its energy of rotation by '// &
          trim(number(100.0_wp*gain))//' %, and its attitude by about '// &
          trim(number(angle))//' rad')
@@ -199,7 +199,7 @@ contains
       if (abs(drift) > DRIFT_MOST) call warn(findings, 'KJ-9211', 'node '// &
          str(model%node_id(at))//' is now '//trim(number(100.0_wp*abs(drift)))//' % '// &
          trim(merge('further from', 'nearer to   ', drift > 0.0_wp))// &
-         ' the main node of rigid body '//str(model%body_id(model%lead(at)))// &
+         ' the main node of rigid body '//body_title(model, model%lead(at))// &
          ' than at the start: the legacy scheme lets nodes of turning bodies drift')
       if (state%summed_error > SUMMED_MOST) call warn(findings, 'KJ-9212', &
          trim(element_name(model, state%summed_joint))//': the rotations that the legacy '// &
@@ -211,15 +211,15 @@ contains
    pure function element_name(model, at) result(text)
       type(model_t), intent(in) :: model
       integer, intent(in) :: at
-      character(len=20) :: text
+      character(len=160) :: text
 
       integer :: j
 
       text = ''
       do j = 1, size(model%joint)
          if (model%batch(model%joint(j)%batch)%first + model%joint(j)%place /= at) cycle
-         text = 'joint '//str(model%joint(j)%id)
-         if (is_spring(model%batch(model%joint(j)%batch))) text = 'spring '//str(model%joint(j)%id)
+         text = 'joint '//joint_title(model, j)
+         if (is_spring(model%batch(model%joint(j)%batch))) text = 'spring '//joint_title(model, j)
       end do
    end function element_name
 

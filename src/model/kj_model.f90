@@ -6,6 +6,7 @@
 !> the "leads": they carry mass and are integrated; secondary nodes follow.
 module kj_model
    use kj_kinds, only: wp
+   use kj_error, only: str, width_of
    use kj_text, only: text_t
    use kj_units, only: unit_system_t
    use kj_curve, only: curve_set_t
@@ -14,7 +15,7 @@ module kj_model
    implicit none
    private
 
-   public :: model_t, skew_set_t
+   public :: model_t, skew_set_t, joint_title, body_title
 
    !> Skew axes; index 0 is the global frame
    type :: skew_set_t
@@ -137,5 +138,37 @@ module kj_model
       integer, allocatable :: th_node_skew(:)      !! skew index of each, 0 = global
       type(text_t), allocatable :: th_node_name(:)
    end type model_t
+
+contains
+
+   !> Letters of a title, by the names of all (perhaps none) and the place of one; without its id
+   pure integer function name_length(name, k) result(n)
+      type(text_t), allocatable, intent(in) :: name(:)
+      integer, intent(in) :: k
+
+      n = 0
+      if (.not. allocated(name)) return
+      if (len_trim(name(k)%s) > 0) n = len_trim(name(k)%s) + 3
+   end function name_length
+
+   !> A joint or spring as people know it: "pin C (903)"; its id where it has no name
+   pure function joint_title(model, j) result(title)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: j
+      character(len=name_length(model%joint_name, j) + width_of(model%joint(j)%id)) :: title
+
+      title = str(model%joint(j)%id)
+      if (len(title) > len_trim(title)) title = trim(model%joint_name(j)%s)//' ('//trim(title)//')'
+   end function joint_title
+
+   !> The same of a rigid body
+   pure function body_title(model, b) result(title)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: b
+      character(len=name_length(model%body_name, b) + width_of(model%body_id(b))) :: title
+
+      title = str(model%body_id(b))
+      if (len(title) > len_trim(title)) title = trim(model%body_name(b)%s)//' ('//trim(title)//')'
+   end function body_title
 
 end module kj_model

@@ -198,6 +198,7 @@ class Worst(Program):
         # of 1.57 rad - (-0.02 rad) of the door it is the upper stop that is passed
         door = json.loads(self.kjoint("run", "--json", SOURCE / "decks" / "door_hinge_0000.rad").stdout)
         self.assertLess(door["worst"]["stop_gap_rotation"]["value"], 0)
+        self.assertEqual("hinge (901)", door["time_step_owner_name"])
 
     def test_a_stiffer_joint_costs_no_steps_where_it_does_not_hold_them(self):
         for words, wanted in (([], "41 % more cycles"), (["--fast"], "no more cycles"),
