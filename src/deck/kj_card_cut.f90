@@ -9,7 +9,8 @@ module kj_card_cut
    implicit none
    private
 
-   public :: cut_t, cut_card, is_blank_text, read_integer_at, read_real_at, report_cut
+   public :: cut_t, cut_card, is_blank_text, begins_with_number, &
+      read_integer_at, read_real_at, report_cut
 
    integer, parameter, public :: MOST_ON_CARD = 20   !! more fields than any card has
 
@@ -163,6 +164,17 @@ contains
 
       is_blank_text = verify(text, ' '//TAB) == 0
    end function is_blank_text
+
+   !> The first thing on a card is a number
+   pure logical function begins_with_number(text) result(is_number)
+      character(len=*), intent(in) :: text
+
+      integer :: i
+
+      i = verify(text, ' +-,'//TAB)
+      is_number = .false.
+      if (i > 0) is_number = index('0123456789', text(i:i)) > 0
+   end function begins_with_number
 
    !> Integer in columns [first, last] of a line; 0 when they are blank or wrong
    subroutine read_integer_at(deck, line, first, last, name, meaning, value)

@@ -4,7 +4,7 @@ module kj_card_lists
    use kj_error, only: SEV_WARNING, SEV_ERROR
    use kj_card_fields, only: IDS, PAIRS, TRIPLES, fields
    use kj_deck_text, only: deck_t, add_deck_finding, first_card, lengthen, report_header, line_text
-   use kj_card_cut, only: cut_t, cut_card, read_integer_at, report_cut
+   use kj_card_cut, only: cut_t, cut_card, begins_with_number, read_integer_at, report_cut
    use kj_keywords, only: KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, KW_TH_PART
    use kj_spelling, only: upper
    implicit none
@@ -334,17 +334,6 @@ contains
       end do
       th%skew = skew(:n)
    end subroutine read_objects
-
-   !> The first thing on a card is a number
-   pure logical function begins_with_number(text) result(is_number)
-      character(len=*), intent(in) :: text
-
-      integer :: i
-
-      i = verify(text, ' +-,'//achar(9))
-      is_number = .false.
-      if (i > 0) is_number = index('0123456789', text(i:i)) > 0
-   end function begins_with_number
 
    !> The first field of ten columns is the number 0
    pure logical function first_is_zero(text) result(is_zero)

@@ -10,8 +10,8 @@ module kj_deck_flat
       KW_SURF, KW_LINE, HEAD_ID, HEAD_TYPE_ID
    use kj_card_fields, only: EACH, ONCE, ROWS, DOFS, IDS, TRIPLES, CLAUSES, fields
    use kj_deck_text, only: deck_t, source_t, line_text, first_card, id_shift, add_deck_finding, &
-      add_source, FLAT
-   use kj_card_cut, only: cut_t, cut_card, MOST_ON_CARD
+      add_source, kind_word, FLAT
+   use kj_card_cut, only: cut_t, cut_card, begins_with_number, MOST_ON_CARD
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_reference, only: named_by_field, named_by_header, named_by_clause, OF_NOTHING, OF_NODE, &
       OF_ELEMENT
@@ -201,7 +201,7 @@ contains
             call element_columns(element_cards(row)%ints, card, columns)
          else if (any(k == [KW_GRSHEL, KW_GRSH3N, KW_GRBRIC, KW_GRBEAM, KW_GRTRUS, KW_GRSPRI, &
             KW_GRPART, KW_SURF, KW_LINE])) then
-            call list_columns(last_word(line_text(deck, b%header)), columns)
+            call list_columns(trim(kind_word(deck, block)), columns)
          else if (deck%field_last(k) >= deck%field_first(k)) then
             call table_columns(deck, block, card, text, columns)
          else
@@ -317,28 +317,6 @@ contains
       if (index(field, ',') > 0) field = field(:index(field, ',') - 1)
       call parse_integer(field, joint_type, status)
    end function joint_type
-
-   pure logical function begins_with_number(text) result(is_number)
-      character(len=*), intent(in) :: text
-
-      is_number = .false.
-      if (verify(text, ' +-,') > 0) is_number = index('0123456789', text(verify(text, ' +-,'): &
-         verify(text, ' +-,'))) > 0
-   end function begins_with_number
-
-   !> /GRSHEL/PART/7 -> PART
-   pure function last_word(header) result(word)
-      character(len=*), intent(in) :: header
-      character(len=10) :: word
-
-      integer :: slash, next
-
-      slash = index(header(2:), '/') + 1
-      word = ''
-      if (slash == 1) return
-      next = index(header(slash + 1:)//'/', '/') + slash
-      word = header(slash + 1:next - 1)
-   end function last_word
 
    !> A line gets a new text, in a source of its own that has the name of the old one
    subroutine put_line(deck, line, text)

@@ -16,7 +16,7 @@ module kj_deck_text
    public :: source_t, block_t, deck_t, submodel_t, id_shift, line_text, place_of, title_of, &
       first_card, block_factors, add_deck_finding, report_file, report_header, report_line, &
       header_end, lengthen, mute_block, add_line, add_source, move_source, add_block, load_source, &
-      next_line, folder_of, add_file_finding
+      next_line, folder_of, add_file_finding, block_at, kind_word
 
    character(len=*), parameter, public :: FLAT = 'flat'   !! role of a source made of others
 
@@ -262,26 +262,51 @@ contains
       is_known = .false.
    end function is_known
 
-   !> The line belongs to a mute block; blocks ascend in lines
+   !> The line belongs to a mute block
    pure logical function is_mute(deck, line)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: line               !! index, 1 to n_line
 
-      integer :: lo, hi, middle
+      integer :: block
 
-      lo = 0
+      block = block_at(deck, line)
+      is_mute = .false.
+      if (block > 0) is_mute = deck%block(block)%mute .and. line <= deck%block(block)%last
+   end function is_mute
+
+   !> The last block that begins at a line or before it, 0 = none; blocks ascend in lines
+   pure integer function block_at(deck, line) result(block)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line               !! index, 1 to n_line
+
+      integer :: hi, middle
+
+      block = 0
       hi = deck%n_block
-      do while (lo < hi)
-         middle = (lo + hi + 1)/2
+      do while (block < hi)
+         middle = (block + hi + 1)/2
          if (deck%block(middle)%header <= line) then
-            lo = middle
+            block = middle
          else
             hi = middle - 1
          end if
       end do
-      is_mute = .false.
-      if (lo > 0) is_mute = deck%block(lo)%mute .and. line <= deck%block(lo)%last
-   end function is_mute
+   end function block_at
+
+   !> /GRSHEL/PART/7 -> PART, of the header of a block
+   pure function kind_word(deck, block) result(word)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block              !! index, 1 to n_block
+      character(len=10) :: word
+
+      character(len=120) :: text
+      integer :: slash
+
+      text = line_text(deck, deck%block(block)%header)
+      slash = index(text(2:), '/') + 1
+      word = ''
+      if (slash > 1) word = text(slash + 1:slash + index(text(slash + 1:)//'/', '/') - 1)
+   end function kind_word
 
    !> Append an error that points at a file as a whole
    subroutine report_file(deck, path, id, message, label)

@@ -5,7 +5,8 @@ module kj_parameter
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_WHOLE_REAL
    use kj_expression, only: names_t, evaluate
    use kj_keywords, only: KW_PARAMETER
-   use kj_deck_text, only: deck_t, line_text, first_card, add_deck_finding, report_header
+   use kj_deck_text, only: deck_t, line_text, first_card, add_deck_finding, report_header, &
+      block_at
    use kj_card_text, only: real_text
    implicit none
    private
@@ -210,7 +211,7 @@ contains
       character(len=*), intent(in) :: name
       integer, intent(in) :: line                !! index in deck
 
-      integer :: i
+      integer :: i, block
 
       k = 0
       do i = 1, size(list%item)
@@ -218,33 +219,14 @@ contains
          if (list%item(i)%source > 0) then
             if (list%item(i)%source /= list%deck%line_source(line)) cycle
          else if (list%item(i)%submodel > 0) then
-            if (list%item(i)%submodel /= submodel_of(list%deck, line)) cycle
+            block = max(1, block_at(list%deck, line))
+            if (list%item(i)%submodel /= list%deck%block(block)%submodel) cycle
          else if (k > 0) then
             cycle
          end if
          k = i
       end do
    end function place_of_name
-
-   !> Submodel of a line; blocks ascend in lines
-   pure integer function submodel_of(deck, line) result(submodel)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: line
-
-      integer :: lo, hi, middle
-
-      lo = 1
-      hi = deck%n_block
-      do while (lo < hi)
-         middle = (lo + hi + 1)/2
-         if (deck%block(middle)%header <= line) then
-            lo = middle
-         else
-            hi = middle - 1
-         end if
-      end do
-      submodel = deck%block(lo)%submodel
-   end function submodel_of
 
    !> The text of a line with values in the place of names
    !>

@@ -5,13 +5,13 @@ module kj_acts
    use kj_text, only: text_t
    use kj_sort, only: find
    use kj_keywords, only: keywords
-   use kj_deck_text, only: report_header, first_card
+   use kj_deck_text, only: report_header, first_card, kind_word
    use kj_cards, only: report_row
    use kj_draft, only: draft_t
    use kj_box, only: box_set_t, build_boxes
    use kj_node_list, only: node_list_t, add_nodes
-   use kj_select, only: filter_t, faces_t, surface_of, line_nodes, kind_word, parts_of, &
-      walk_elements, all_kinds
+   use kj_select, only: filter_t, faces_t, surface_of, line_nodes, parts_of, walk_elements, &
+      all_kinds, OUTERMOST
    use kj_build_group, only: fill_one_group
    use kj_element_mass, only: scales_t, element_t, first_element, next_element, NO_PROBLEM
    use kj_element_cards, only: element_row
@@ -167,7 +167,7 @@ contains
       is_actor = .false.
       if (draft%deck%block(block)%row == 0) return
       if (keywords(draft%deck%block(block)%row)%name /= actors(row)%name) return
-      word = kind_word(draft, block)
+      word = kind_word(draft%deck, block)
       is_actor = actors(row)%kind == word .or. (actors(row)%kind == '' .and. &
          all(actors%name /= actors(row)%name .or. actors%kind /= word))
    end function is_actor
@@ -222,7 +222,7 @@ contains
          call fill_one_group(draft, id, node)
          call add_nodes(node, list)
       case (A_SURFACE)
-         call surface_of(draft, boxes, id, 0, faces)
+         call surface_of(draft, boxes, id, OUTERMOST, faces)
          do i = 1, faces%n
             call add_nodes(faces%node(:, i), list)
          end do

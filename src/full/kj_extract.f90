@@ -14,7 +14,7 @@ module kj_extract
       KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, &
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
       KW_FRAME_NOD
-   use kj_deck_text, only: deck_t, line_text, first_card, title_of, report_header
+   use kj_deck_text, only: deck_t, line_text, first_card, title_of, report_header, folder_of
    use kj_card_text, only: real_field, integer_field
    use kj_card_lists, only: th_t, read_th
    use kj_draft, only: draft_t
@@ -86,7 +86,8 @@ contains
 
       call put(page, '#RADIOSS STARTER')
       call put(page, &
-         '# The mechanism of '//name_of(deck%source(1)%path)//', taken out by kjoint '// &
+         '# The mechanism of '//deck%source(1)%path(len(folder_of(deck%source(1)%path)) + 1:)// &
+         ', taken out by kjoint '// &
          KJOINT_VERSION)
       call put(page, '# SHA-256 of that deck: '//sha256(deck%source(1)%text))
       do block = 1, deck%n_block
@@ -133,19 +134,6 @@ contains
 
       text = real_field(x(1))//real_field(x(2))//real_field(x(3))
    end function triple
-
-   pure integer function name_length(path) result(n)
-      character(len=*), intent(in) :: path
-
-      n = len(path) - index(path, '/', back=.true.)
-   end function name_length
-
-   pure function name_of(path) result(name)
-      character(len=*), intent(in) :: path
-      character(len=name_length(path)) :: name
-
-      name = path(index(path, '/', back=.true.) + 1:)
-   end function name_of
 
    !> The header of a block as it is outside of submodels: words, id, unit
    subroutine take_header(deck, block, header)
@@ -227,19 +215,24 @@ contains
       type(page_t), intent(inout) :: page
 
       real(wp) :: j(3, 3), axes(3, 3)
-      integer :: b, main, i, k, next
-      integer, allocatable :: node(:)
+      integer :: b, main, i, k, next, main_of(model%n_body)
+      integer, allocatable :: node(:), kept(:)
 
+      kept = pack([(k, k=1, draft%n_node)], draft%body > 0 .and. keep%node)
+      main_of = 0
+      do i = 1, draft%n_node
+         if (draft%main_of(i) > 0) main_of(draft%main_of(i)) = i
+      end do
       next = free_group(draft)
       do b = 1, model%n_body
-         main = findloc(draft%main_of, b, 1)
+         main = main_of(b)
          if (main == 0) cycle
          axes = reshape(model%axes(b, :), [3, 3])
          j = matmul(axes*spread(model%principal(b, :), 1, 3), transpose(axes))
          do i = 1, 3
             j(i, i) = j(i, i) - spring_inertia(main)
          end do
-         node = pack([(k, k=1, draft%n_node)], draft%body == b .and. keep%node)
+         node = pack(kept, draft%body(kept) == b)
          call put(page, '/RBODY/'//str(model%body_id(b))//suffix(unit))
          call put(page, model%body_name(b)%s)
          call put(page, integer_field(draft%id(main))//integer_field(0)//integer_field(0)// &

@@ -6,7 +6,7 @@ module kj_full_draft
    use kj_sort, only: find
    use kj_math3, only: cross
    use kj_keywords, only: KW_ADMAS, KW_GRPART, KW_RBE2, KW_RBODY
-   use kj_deck_text, only: first_card
+   use kj_deck_text, only: first_card, kind_word
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, report, &
       report_row, &
       row_of
@@ -20,7 +20,7 @@ module kj_full_draft
    use kj_build_group, only: build_groups
    use kj_build_body, only: build_bodies
    use kj_box, only: box_set_t, build_boxes
-   use kj_select, only: faces_t, surface_of, parts_of, kind_word
+   use kj_select, only: faces_t, surface_of, parts_of, OUTERMOST
    use kj_element_mass, only: scales_t, new_scales, weigh_elements, weigh_block
    use kj_model, only: model_t
    implicit none
@@ -93,7 +93,7 @@ contains
             call add_to_surface(draft, cards)
          case (3, 4)
             call read_cards(draft%deck, block, cards)
-            call parts_of_group(draft, int_of(cards, 'grpart_id'), 0, part)
+            call parts_of_group(draft, int_of(cards, 'grpart_id'), OUTERMOST, part)
             if (.not. any(part)) call report(draft%deck, cards, 'grpart_id', SEV_WARNING, &
                'KJ-9408', 'the group of parts '//str(int_of(cards, 'grpart_id'))// &
                ' has no part', 'adds no mass')
@@ -125,7 +125,7 @@ contains
       integer :: i, k, n
 
       call build_boxes(draft, boxes)
-      call surface_of(draft, boxes, int_of(cards, 'surf_id'), 0, faces)
+      call surface_of(draft, boxes, int_of(cards, 'surf_id'), OUTERMOST, faces)
       if (faces%n == 0) call report(draft%deck, cards, 'surf_id', SEV_WARNING, 'KJ-9408', &
          'surface '//str(int_of(cards, 'surf_id'))//' has no face', 'adds no mass')
       do i = 1, faces%n
@@ -141,25 +141,25 @@ contains
    end subroutine add_to_surface
 
    !> Mark the parts of a /GRPART
-   recursive subroutine parts_of_group(draft, id, depth, part)
+   recursive subroutine parts_of_group(draft, id, around, part)
       type(draft_t), intent(inout) :: draft
-      integer, intent(in) :: id, depth           !! groups around it: a circle ends at 50
+      integer, intent(in) :: id, around(:)       !! groups that it is in: a circle ends
       logical, intent(inout) :: part(:)
 
       type(ids_t) :: list
       character(len=10) :: word
       integer :: block, k
 
-      if (depth > 50) return
+      if (any(around == id)) return
       do block = 1, draft%deck%n_block
          if (draft%deck%block(block)%keyword /= KW_GRPART .or. draft%deck%block(block)%id /= id) &
             cycle
-         word = kind_word(draft, block)
+         word = kind_word(draft%deck, block)
          call read_id_lines(draft%deck, first_card(draft%deck, block), &
             draft%deck%block(block)%last, 10, 1, list)
          do k = 1, list%n
             if (word == 'GRPART') then
-               call parts_of_group(draft, list%value(k), depth + 1, part)
+               call parts_of_group(draft, list%value(k), [around, id], part)
             else
                call parts_of(draft, trim(word), list%value(k), part)
             end if

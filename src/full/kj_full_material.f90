@@ -5,9 +5,8 @@ module kj_full_material
    use kj_units, only: dimensions, D_DENSITY
    use kj_sort, only: lookup_t, new_lookup
    use kj_keywords, only: keywords, KW_MAT_VOID
-   use kj_deck_text, only: deck_t, block_factors
+   use kj_deck_text, only: deck_t, block_factors, kind_word
    use kj_draft, only: draft_t
-   use kj_select, only: kind_word
    use kj_full_card, only: card_real
    implicit none
    private
@@ -74,7 +73,7 @@ contains
       character(len=10) :: law
 
       material%block = block
-      law = kind_word(draft, block)
+      law = kind_word(draft%deck, block)
       material%void = draft%deck%block(block)%keyword == KW_MAT_VOID
       material%known = all(OTHERS /= law)
       material%rigid = law == 'LAW13' .or. law == 'RIGID'

@@ -5,10 +5,9 @@ module kj_full_property
    use kj_units, only: dimensions, D_LENGTH, D_MASS, D_INERTIA
    use kj_sort, only: lookup_t, new_lookup
    use kj_keywords, only: keywords, KW_DEF_SOLID, KW_DEF_SHELL
-   use kj_deck_text, only: deck_t, block_factors, id_shift
+   use kj_deck_text, only: deck_t, block_factors, kind_word, id_shift
    use kj_reference, only: OF_MATERIAL
    use kj_draft, only: draft_t
-   use kj_select, only: kind_word
    use kj_full_card, only: card_real, card_integer
    implicit none
    private
@@ -132,7 +131,7 @@ contains
       integer :: row
 
       s%block = block
-      word = kind_word(draft, block)
+      word = kind_word(draft%deck, block)
       row = findloc(words%name, word, 1)
       if (row > 0) s%kind = words(row)%kind
       f = block_factors(draft%deck, block)

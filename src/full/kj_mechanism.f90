@@ -6,7 +6,7 @@ module kj_mechanism
    use kj_error, only: finding_list_t
    use kj_sort, only: find
    use kj_keywords, only: KW_SPRING
-   use kj_deck_text, only: deck_t, source_t, add_source
+   use kj_deck_text, only: deck_t, source_t, add_source, block_at
    use kj_deck, only: read_deck
    use kj_parameter, only: setting_t
    use kj_draft, only: draft_t
@@ -134,7 +134,7 @@ contains
          if (k == 0) cycle
          deck%line_source(i) = first + full%line_source(k)
          deck%line_number(i) = full%line_number(k)
-         if (is_header(deck, i)) then            ! the header is written anew: its text stays
+         if (deck%block(max(1, block_at(deck, i)))%header == i) then      ! written anew: it stays
             deck%line_source(i) = 1
             cycle
          end if
@@ -142,12 +142,5 @@ contains
          deck%line_last(i) = full%line_last(k)
       end do
    end subroutine read_page
-
-   pure logical function is_header(deck, line)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: line
-
-      is_header = any(deck%block(:deck%n_block)%header == line)
-   end function is_header
 
 end module kj_mechanism

@@ -21,7 +21,7 @@ module kj_build_group
    use kj_node_list, only: node_list_t, add_node, add_nodes, add_range, remove_nodes, keep_nodes, &
       finish_list
    use kj_select, only: filter_t, faces_t, parts_of, element_ids_of, walk_elements, surface_of, &
-      line_nodes, submodel_nodes, all_kinds
+      line_nodes, submodel_nodes, all_kinds, OUTERMOST
    implicit none
    private
 
@@ -406,10 +406,10 @@ contains
       select case (kind%of)
       case (AN_ELEMENT_GROUP)
          filter%kind = element_cards%group == kind%which
-         call element_ids_of(draft, boxes, kind%which, id, 0, filter%id)
+         call element_ids_of(draft, boxes, kind%which, id, OUTERMOST, filter%id)
          if (size(filter%id) > 0) call walk_elements(draft, boxes, filter, list)
       case (A_SURFACE)
-         call surface_of(draft, boxes, id, 0, faces)
+         call surface_of(draft, boxes, id, OUTERMOST, faces)
          do i = 1, faces%n
             call add_nodes(faces%node(:, i), list)
          end do

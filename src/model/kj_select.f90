@@ -7,7 +7,7 @@ module kj_select
    use kj_keywords, only: keywords, KW_SUBSET, KW_NODE, KW_KJOINT2, KW_GRSHEL, KW_GRSH3N, &
       KW_GRBRIC, KW_GRBEAM, KW_GRTRUS, KW_GRSPRI, KW_GRPART, KW_SURF, KW_LINE, KW_SHELL, KW_SH3N, &
       KW_BRICK, KW_TETRA4, KW_TETRA10, KW_BRIC20, KW_PENTA6, KW_SHEL16
-   use kj_deck_text, only: line_text, first_card, lengthen
+   use kj_deck_text, only: line_text, first_card, lengthen, kind_word
    use kj_card_lists, only: ids_t, read_ids, read_id_lines
    use kj_element_cards, only: element_cards, element_row, read_element, MOST_NODES
    use kj_draft, only: draft_t
@@ -17,7 +17,10 @@ module kj_select
    private
 
    public :: filter_t, faces_t, parts_of, element_ids_of, walk_elements, surface_of, line_nodes, &
-      submodel_nodes, all_kinds, kind_word
+      submodel_nodes, all_kinds
+
+   !> Groups or surfaces around one that is in none
+   integer, parameter, public :: OUTERMOST(0) = [integer ::]
 
    !> Which elements are meant
    type :: filter_t
@@ -51,31 +54,16 @@ contains
       kind = .true.
    end function all_kinds
 
-   !> /GRSHEL/PART/7 -> PART, by its header
-   pure function kind_word(draft, block) result(word)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: block
-      character(len=10) :: word
-
-      character(len=120) :: text
-      integer :: slash, next
-
-      text = line_text(draft%deck, draft%deck%block(block)%header)
-      slash = index(text(2:), '/') + 1
-      next = index(text(slash + 1:), '/') + slash
-      if (next == slash) next = len_trim(text) + 1
-      word = ''
-      if (slash > 1) word = text(slash + 1:next - 1)
-   end function kind_word
-
    !> Mark the parts that an id stands for: PART, SUBSET, MAT, PROP
-   recursive subroutine parts_of(draft, word, id, part)
+   recursive subroutine parts_of(draft, word, id, part, around)
       type(draft_t), intent(inout) :: draft
       character(len=*), intent(in) :: word
       integer, intent(in) :: id
       logical, intent(inout) :: part(:)          !! (parts)
+      integer, intent(in), optional :: around(:) !! subsets that this one is in: a circle ends
 
       type(ids_t) :: children
+      integer, allocatable :: path(:)
       integer :: i, k
 
       select case (word)
@@ -87,12 +75,15 @@ contains
       case ('PROP')
          part = part .or. draft%part_ids(1, :) == id
       case ('SUBSET', 'SUBS')
+         path = [id]
+         if (present(around)) path = [around, id]
          part = part .or. draft%part_ids(3, :) == id
          do i = 1, draft%deck%n_block
             if (draft%deck%block(i)%keyword /= KW_SUBSET .or. draft%deck%block(i)%id /= id) cycle
             call read_ids(draft%deck, i, children)
             do k = 1, children%n
-               if (children%value(k) /= id) call parts_of(draft, word, children%value(k), part)
+               if (all(path /= children%value(k))) call parts_of(draft, word, &
+                  children%value(k), part, path)
             end do
          end do
       end select
@@ -182,18 +173,18 @@ contains
             if (b%row == 0 .or. b%id /= draft%part_ids(1, part)) cycle
             if (index(keywords(b%row)%name, '/PROP') /= 1) cycle
             if (b%keyword == KW_KJOINT2) members = 4
-            if (any(kind_word(draft, i) == ['TYPE12    ', 'SPR_PUL   '])) members = 3
+            if (any(kind_word(draft%deck, i) == ['TYPE12    ', 'SPR_PUL   '])) members = 3
          end associate
       end do
    end function spring_members
 
    !> Ids of the elements of a group such as /GRSHEL/PART, ascending
-   recursive subroutine element_ids_of(draft, boxes, keyword, group, depth, ids)
+   recursive subroutine element_ids_of(draft, boxes, keyword, group, around, ids)
       type(draft_t), intent(inout) :: draft
       type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: keyword             !! KW_GRSHEL, ...
       integer, intent(in) :: group               !! its id
-      integer, intent(in) :: depth               !! groups around it: a circle ends at 50
+      integer, intent(in) :: around(:)           !! groups that it is in: a circle ends
       integer, allocatable, intent(out) :: ids(:)
 
       integer, allocatable :: some(:)
@@ -202,11 +193,11 @@ contains
       integer :: block, k, sign
 
       allocate (ids(0))
-      if (depth > 50) return
+      if (any(around == group)) return
       do block = 1, draft%deck%n_block
          if (draft%deck%block(block)%keyword /= keyword) cycle
          if (draft%deck%block(block)%id /= group) cycle
-         word = kind_word(draft, block)
+         word = kind_word(draft%deck, block)
          call read_id_lines(draft%deck, first_card(draft%deck, block), &
             draft%deck%block(block)%last, 10, 1, list)
          if (word == 'GENE') then
@@ -216,7 +207,8 @@ contains
          do sign = 1, -1, -2
             do k = 1, list%n
                if (list%value(k)*sign < 0) cycle
-               call ids_behind(draft, boxes, keyword, word, abs(list%value(k)), depth, some)
+               call ids_behind(draft, boxes, keyword, word, abs(list%value(k)), &
+                  [around, group], some)
                if (sign > 0) ids = [ids, some]
                if (sign < 0) ids = pack(ids, .not. is_among(ids, some))
             end do
@@ -226,10 +218,10 @@ contains
    end subroutine element_ids_of
 
    !> Ids of the elements behind one id of a list, ascending
-   recursive subroutine ids_behind(draft, boxes, keyword, word, id, depth, ids)
+   recursive subroutine ids_behind(draft, boxes, keyword, word, id, around, ids)
       type(draft_t), intent(inout) :: draft
       type(box_set_t), intent(in) :: boxes
-      integer, intent(in) :: keyword, id, depth
+      integer, intent(in) :: keyword, id, around(:)
       character(len=*), intent(in) :: word
       integer, allocatable, intent(out) :: ids(:)
 
@@ -247,7 +239,7 @@ contains
          filter%whole = word == 'BOX'
          if (filter%box > 0) call walk_elements(draft, boxes, filter, ids=ids)
       case ('GRSHEL', 'GRSH3N', 'GRBRIC', 'GRBEAM', 'GRTRUS', 'GRSPRI')
-         call element_ids_of(draft, boxes, keyword, id, depth + 1, ids)
+         call element_ids_of(draft, boxes, keyword, id, around, ids)
       case default                               ! SHEL, SH3N, BRIC, BEAM, TRUS, SPRI: elements
          ids = [id]
       end select
@@ -345,10 +337,10 @@ contains
    end subroutine add_face
 
    !> The faces of a surface. Those of solids are the outer ones, unless the surface says ALL
-   recursive subroutine surface_of(draft, boxes, id, depth, faces)
+   recursive subroutine surface_of(draft, boxes, id, around, faces)
       type(draft_t), intent(inout) :: draft
       type(box_set_t), intent(in) :: boxes
-      integer, intent(in) :: id, depth           !! surfaces around it: a circle ends at 50
+      integer, intent(in) :: id, around(:)       !! surfaces that it is in: a circle ends
       type(faces_t), intent(inout) :: faces
 
       type(filter_t) :: filter
@@ -356,10 +348,10 @@ contains
       character(len=10) :: word
       integer :: block, k, first
 
-      if (depth > 50) return
+      if (any(around == id)) return
       do block = 1, draft%deck%n_block
          if (draft%deck%block(block)%keyword /= KW_SURF .or. draft%deck%block(block)%id /= id) cycle
-         word = kind_word(draft, block)
+         word = kind_word(draft%deck, block)
          first = first_card(draft%deck, block)
          if (word == 'SEG') then
             call take_segments(draft, first, draft%deck%block(block)%last, 4, faces)
@@ -368,7 +360,8 @@ contains
          call read_id_lines(draft%deck, first, draft%deck%block(block)%last, 10, 1, list)
          if (word == 'SURF') then
             do k = 1, list%n
-               if (list%value(k) > 0) call surface_of(draft, boxes, list%value(k), depth + 1, faces)
+               if (list%value(k) > 0) call surface_of(draft, boxes, list%value(k), &
+                  [around, id], faces)
             end do
             cycle
          end if
@@ -398,7 +391,7 @@ contains
          filter%kind = element_cards%group == keyword
          allocate (filter%id(0))
          do k = 1, list%n
-            call element_ids_of(draft, boxes, keyword, abs(list%value(k)), 0, some)
+            call element_ids_of(draft, boxes, keyword, abs(list%value(k)), OUTERMOST, some)
             if (list%value(k) > 0) filter%id = sort_unique([filter%id, some])
             if (list%value(k) < 0) filter%id = pack(filter%id, .not. is_among(filter%id, some))
          end do
@@ -516,14 +509,14 @@ contains
 
       do block = 1, draft%deck%n_block
          if (draft%deck%block(block)%keyword /= KW_LINE .or. draft%deck%block(block)%id /= id) cycle
-         word = kind_word(draft, block)
+         word = kind_word(draft%deck, block)
          first = first_card(draft%deck, block)
          if (word == 'SEG') then
             call take_segments(draft, first, draft%deck%block(block)%last, 2, faces)
          else if (word == 'SURF' .or. word == 'EDGE') then
             call read_id_lines(draft%deck, first, draft%deck%block(block)%last, 10, 1, ids)
             do k = 1, ids%n
-               call surface_of(draft, boxes, ids%value(k), 0, faces)
+               call surface_of(draft, boxes, ids%value(k), OUTERMOST, faces)
             end do
             if (word == 'EDGE') call keep_border(faces)
          end if

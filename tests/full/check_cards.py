@@ -243,10 +243,24 @@ def references(c):
            "KJ-9429")
 
 
+def circles(c):
+    """Selections that name each other, twice each: they end, and the body has no node."""
+    for kind, one in (("GRNOD/SUBSET", "SUBSET"), ("GRNOD/SURF", "SURF/SURF"), ("GRNOD/GRSHEL", "GRSHEL/GRSHEL"),
+                      ("GRNOD/GRNOD", "GRNOD/GRNOD"), ("SET/GENERAL", "SET/GENERAL")):
+        def ids(*numbers):
+            return ("SET       " if one == "SET/GENERAL" else "") + ints(*numbers) + "\n"
+        group = "".join(f"/{one}/{a}\nc\n" + ids(b, b) for a, b in ((8, 9), (9, 8)))
+        group += "" if kind == one else f"/{kind}/1\ng\n" + ids(8, 9)
+        said = c.extract(deck(group=group, body="/RBODY/1\nbody\n" + ints(100, 0, 0, 0) + real(0)
+                              + ints(8 if kind == one else 1, 0, 1, 0) + "\n\n\n"))
+        c.check("a circle of " + one, said["exit_code"] == 2, said["findings"])
+    c.says("a file that includes itself", deck("#include full_0000.rad\n"), "error", "KJ-9033", 7)
+
+
 def main(kjoint):
     with tempfile.TemporaryDirectory() as work:
         c = Checks(pathlib.Path(kjoint).resolve(), work)
-        for part in (masses, moves, parameters, structure, acts, references):
+        for part in (masses, moves, parameters, structure, acts, references, circles):
             part(c)
     print(f"{c.n - c.wrong} of {c.n} right")
     return c.wrong > 0
