@@ -172,7 +172,8 @@ module kj_message_scene
    message_t('KJ-9143', SEV_ERROR, 'the axes of a skew or frame are degenerate', &
       'The Y and the Z vector are along one line, or zero; a frame has no default for them.', &
       'Give two vectors that span a plane.'), &
-   message_t('KJ-9144', SEV_ERROR, 'a node id is not positive', 'Ids are 1 or more; a blank line is a node with the id 0.', &
+   message_t('KJ-9144', SEV_ERROR, 'a node id is not positive', &
+      'Ids are 1 or more; a blank line is a node with the id 0, which stays by itself.', &
       'Correct the id, or remove the line.'), &
    message_t('KJ-9145', SEV_ERROR, 'a function to move does not exist', &
       'The id of a /MOVE_FUNCT is that of the function it changes.', &

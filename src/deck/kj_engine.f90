@@ -244,7 +244,8 @@ contains
             engine%dtix_ini = value(1)
             engine%dtix_max = value(2)
             if (value(2) < 0.0_wp .or. (value(2) > 0.0_wp .and. value(1) > value(2))) &
-               call report_line(deck, header, SEV_ERROR, 'KJ-E316', &
+               call report_line(deck, header, merge(SEV_WARNING, SEV_ERROR, engine%version > 0 &
+               .and. engine%version < 51 .and. value(2) > 0.0_wp), 'KJ-E316', &
                'the first time step is larger than the largest one', &
                'expected: first step, largest step')
          end if
@@ -404,12 +405,12 @@ contains
       integer, intent(in) :: header, last
       type(engine_t), intent(inout) :: engine
 
-      real(wp) :: value(1)
+      real(wp) :: value(3)                       ! the number of files that are kept goes unused
 
       engine%checkpoint = words%word(2) /= 'OFF'
       if (.not. engine%checkpoint) return
-      call read_values(deck, header, last, 1, 1, value)
-      call refuse_negative(deck, header, last, value)
+      call read_values(deck, header, last, 1, 3, value)
+      call refuse_negative(deck, header, last, value(:1))
       engine%checkpoint_cycles = nint(min(value(1), 1.0e9_wp))
    end subroutine take_rfile
 

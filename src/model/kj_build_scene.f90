@@ -23,7 +23,8 @@ module kj_build_scene
 
 contains
 
-   !> Nodes of all /NODE blocks; ids that stand twice or are not positive are reported
+   !> Nodes of all /NODE blocks; ids that stand twice or are not positive are reported. A node with
+   !> the id 0, which nothing can name, gets a negative one
    subroutine build_nodes(draft)
       type(draft_t), intent(inout) :: draft
 
@@ -38,13 +39,17 @@ contains
       draft%x = rows%reals(:, 1:3)
       call make_main_nodes(draft)
       n = draft%n_node
+      draft%id = [(merge(-i, draft%id(i), draft%id(i) == 0), i=1, n)]
       if (draft%deck%n_submodel > 0) draft%node_submodel = [draft%deck%block(rows%block)%submodel, &
          [(0, i=rows%n + 1, n)]]
       call new_lookup(draft%id, draft%node)
       do i = 1, n
          if (draft%node%place(i) > rows%n) cycle      ! a node that was made
          associate (id => draft%node%id(i), row => row_of(rows, draft%node%place(i)))
-            if (id <= 0) then
+            if (rows%ints(draft%node%place(i), 1) == 0) then
+               call report_row(draft%deck, row, 'id', SEV_WARNING, 'KJ-9144', &
+                  'a node has the id 0: nothing can name it', 'expected: a positive id')
+            else if (id <= 0) then
                call report_row(draft%deck, row, 'id', SEV_ERROR, 'KJ-9144', &
                   'a node has the id '//str(id), 'expected: a positive id')
             else if (i > 1) then
