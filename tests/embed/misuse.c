@@ -197,6 +197,33 @@ static int meddle(const kj_run_status *status, void *user) {
   return 0;
 }
 
+/* A state goes by a file of the host, and gives the bits of the model that went on; less of it is refused */
+static void kept(kj_model *model) {
+  static char state[200000];
+  kj_run_status went, other;
+  size_t size = 0;
+  FILE *file = tmpfile();
+
+  BAD(kj_model_save(model, 10, state, &size), KJ_INPUT, "");
+  BAD(kj_model_save(model, 0, NULL, &size), KJ_OK, "");
+  if (!file || size > sizeof state) { failed++; return; }
+  BAD(kj_model_save(model, size, state, NULL), KJ_OK, "");
+  if (fwrite(state, 1, size, file) != size) failed++;
+  rewind(file);
+  memset(state, 0, size);
+  BAD(kj_model_steps(model, 5), KJ_OK, "");
+  BAD(kj_model_status(model, &went), KJ_OK, "");
+  if (fread(state, 1, size, file) != size) failed++;
+  fclose(file);
+  BAD(kj_model_restore(model, size - 1, state), KJ_INPUT, "damaged");
+  BAD(kj_model_restore(model, size, state), KJ_OK, "");
+  BAD(kj_model_steps(model, 5), KJ_OK, "");
+  BAD(kj_model_status(model, &other), KJ_OK, "");
+  checked++;
+  if (went.cycle != other.cycle || memcmp(&went.time, &other.time, sizeof went.time) ||
+      memcmp(&went.kinetic, &other.kinetic, sizeof went.kinetic)) failed++;
+}
+
 static void meddled_run(const char *deck) {
   kj_model *model = NULL;
   kj_run_status plain, meddled;
@@ -209,6 +236,7 @@ static void meddled_run(const char *deck) {
   expect(__LINE__, plain.cycle != meddled.cycle, 0, "not the same cycles", NULL);
   expect(__LINE__, plain.kinetic != meddled.kinetic, 0, "not the same run", NULL);
   BAD(kj_model_start(model), KJ_OK, "");
+  kept(model);
   kj_model_free(model);
 }
 

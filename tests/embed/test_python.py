@@ -55,7 +55,9 @@ class Models(unittest.TestCase):
         for options in (dict(formulation="legacy"), {}):
             whole = kjoint.Model(REV01, until=0.02, sample=1e-3, **options).start()
             whole.advance(0.01)
-            state = whole.save()
+            kept = pathlib.Path("state")               # by a file of the host
+            kept.write_bytes(whole.save())
+            state = kept.read_bytes()
             other = kjoint.Model(REV01, until=0.02, sample=1e-3, **options).restore(state)
             for model in (whole, other):
                 model.advance(0.02)

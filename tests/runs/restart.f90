@@ -179,7 +179,7 @@ contains
       integer(int8), allocatable :: state(:)
       real(wp), allocatable :: row(:, :)
       type(error_t), allocatable :: error
-      integer :: i
+      integer :: i, file
 
       call load(deck, options, sim)
       call load(deck, options, other)
@@ -195,6 +195,11 @@ contains
       end do
       call sample_simulation(sim, row(:, 1), error)
       call stop_on(error)
+      open (newunit=file, status='scratch', access='stream', form='unformatted')
+      write (file) state                         ! by a file of the host
+      state = 0_int8
+      read (file, pos=1) state
+      close (file)
       call restore_simulation(other, state, error)
       call stop_on(error)
       do i = steps/2, steps
