@@ -33,7 +33,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/model/kj_islands.f90", "= min(root_a, root_b)", "= max(root_a, root_b)", "unit.test_islands"),
     ("src/model/kj_skew.f90", "third = cross(first, x3 - x1)", "third = cross(x3 - x1, first)", "unit.test_skew " + REV),
     ("src/model/kj_build_load.f90", "motion%t_stop = min(motion%t_stop, load%t_stop)", "motion%t_stop = max(motion%t_stop, load%t_stop)", "unit.test_build_scene physics parity.SEN01 bad.loads"),
-    ("src/model/kj_build_property.f90", "if (abs(p%cr) <= 0.0_wp) p%cr = 0.05_wp", "if (abs(p%cr) <= 0.0_wp) p%cr = 0.5_wp", "unit.test_build_property parity.ISP01"),
+    ("src/model/kj_build_property.f90", "p%cr = merge(0.05_wp, 1.0_wp, draft%legacy)", "p%cr = merge(0.05_wp, 0.5_wp, draft%legacy)", "unit.test_build_property parity.ISP01"),
     ("src/model/kj_attach_joint.f90", "half(2, 1) = half(2, 1) + t(3)*s", "half(2, 1) = half(2, 1) - t(3)*s", "parity.X04 parity.N016 parity.F48"),
     # joint
     ("src/joint/kj_block.f90", "s(i)*(phi(i, 2)*z - phi(i, 3)*y)", "s(i)*(phi(i, 2)*z + phi(i, 3)*y)", "unit.test_legacy_force " + REV),

@@ -12,9 +12,10 @@ module kj_consistent_auto_stiffness
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: LAW_SPRING, LAW_DAMPER
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_build, only: build_consistent_model, new_consistent_state
+   use kj_consistent_build, only: build_consistent_model, new_consistent_state, settle
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_consistent_impact_step, only: step_factor
+   use kj_consistent_ready, only: set_damping, bear_forces
    implicit none
    private
 
@@ -29,17 +30,36 @@ contains
    !> Constants and state at t = 0.
    !>
    !> Errors: ERR_RUN when a joint takes its stiffness from the step, and nothing limits that.
-   subroutine start_scene(model, explicit, state, error)
+   subroutine start_scene(model, explicit, loaded, state, error)
       type(consistent_model_t), intent(inout) :: model   !! that of all is there
       logical, intent(in) :: explicit            !! damping shortens the step
+      logical, intent(in) :: loaded              !! blocked directions bear the first forces
       type(consistent_state_t), intent(out) :: state
+      type(error_t), allocatable, intent(out) :: error
+
+      real(wp) :: w2
+
+      call build_consistent_model(model)
+      call new_consistent_state(model, state)
+      if (any_automatic(model)) then
+         call choose_stiffness(model, explicit, state, error)
+         if (allocated(error)) return
+         call new_consistent_state(model, state)
+      end if
+      call set_damping(model, state, w2)
+      if (loaded) call bear_forces(model, w2, state)
+      call settle(model, state)
+   end subroutine start_scene
+
+   !> Automatic stiffness from the step that the scene is to take
+   subroutine choose_stiffness(model, explicit, state, error)
+      type(consistent_model_t), intent(inout) :: model
+      logical, intent(in) :: explicit
+      type(consistent_state_t), intent(inout) :: state
       type(error_t), allocatable, intent(out) :: error
 
       real(wp) :: wanted
 
-      call build_consistent_model(model)
-      call new_consistent_state(model, state)
-      if (.not. any_automatic(model)) return
       call set_stiffness(0.0_wp, model)
       wanted = min(model%control%dt_max, SHARE*step_of(model, explicit, state))
       if (.not. wanted < NO_STEP) then
@@ -50,8 +70,7 @@ contains
       end if
       call find_stiffness(explicit, wanted, state, model)
       call scale_stiffness(model)
-      call new_consistent_state(model, state)
-   end subroutine start_scene
+   end subroutine choose_stiffness
 
    pure logical function any_automatic(model) result(any_one)
       type(consistent_model_t), intent(in) :: model
@@ -153,7 +172,7 @@ contains
          if (.not. model%batch(b)%limited) cycle
          do i = 1, model%batch(b)%n
             if (.not. model%batch(b)%limit%automatic(i)) cycle
-            s = model%batch(b)%limit%scale(i)
+            s = model%batch(b)%scale(i)
             where (joint_types(model%batch(b)%row)%free == 0)
                model%batch(b)%k(i, :) = s*model%batch(b)%k(i, :)
                model%batch(b)%c(i, :) = sqrt(s)*model%batch(b)%c(i, :)

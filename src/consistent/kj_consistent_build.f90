@@ -6,9 +6,10 @@ module kj_consistent_build
    use kj_block, only: block_of, lane_of
    use kj_lead_map, only: N_SUM
    use kj_math3, only: cross, to_quaternion, IDENTITY
-   use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_UNIVERSAL, CHART_VECTOR
+   use kj_joint_types, only: joint_types, FRAME_FIRST, FRAME_CROSS, CHART_TWIST, CHART_UNIVERSAL, &
+      CHART_VECTOR
    use kj_joint_batch, only: joint_batch_t, is_spring, SPRING13, LAW_DAMPER, LAW_DAMPER_CURVE, &
-      LAW_SPRING_CURVE, LAW_HARDENED, geometry_t
+      LAW_SPRING, LAW_SPRING_CURVE, LAW_HARDENED, geometry_t
    use kj_model, only: load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_batch, only: chart_of, new_consistent_joint
@@ -23,6 +24,8 @@ module kj_consistent_build
    private
 
    public :: build_consistent_model, new_consistent_state, settle
+
+   real(wp), parameter :: LEVERS = 6.0_wp        !! radii of inertia that blocked rotations count
 
 contains
 
@@ -174,7 +177,8 @@ contains
    end subroutine sort_axes
 
    !> What a batch gets under the consistent formulation: its geometry; offsets of universal joints
-   !> on the dual basis; damping of blocked rotations from the effective inertia of the direction
+   !> on the dual basis; stiffness of blocked rotations; damping of these from the effective inertia
+   !> of the direction
    subroutine build_batch(b, model)
       integer, intent(in) :: b
       type(consistent_model_t), intent(inout) :: model
@@ -194,6 +198,9 @@ contains
          g%plain = [(all(joint_types(batch%row)%free(1:3) == 0) .and. g%mean .and. &
             g%chart == CHART_VECTOR .and. norm2(batch%xl0(i, :)) <= 0.0_wp, i=1, batch%n)]
          allocate (g%arm(batch%n, 6), g%triad(batch%n, 8), g%axis_angle(batch%n), source=0.0_wp)
+         if (.not. is_spring(batch)) call set_rotations(model, batch)
+         g%rail = rails(model, batch, g)
+         if (all(abs(g%rail) < 0.5_wp)) deallocate (g%rail)
          if (batch%limited) allocate (g%inertia(batch%n, 6))
          do i = 1, batch%n
             e = reshape(batch%frame0(i, :), [3, 3])
@@ -222,6 +229,64 @@ contains
          batch%geometry = g
       end associate
    end subroutine build_batch
+
+   !> Joints with a free translation in a mean frame, and a body that does not turn: 1, -1; else 0
+   pure function rails(model, batch, geometry) result(rail)
+      type(consistent_model_t), intent(in) :: model
+      type(joint_batch_t), intent(in) :: batch
+      type(geometry_t), intent(in) :: geometry
+      real(wp) :: rail(batch%n)
+
+      logical :: turns(2)
+      integer :: i, e
+
+      rail = 0.0_wp
+      if (is_spring(batch) .or. .not. geometry%mean .or. geometry%chart /= CHART_TWIST) return
+      if (all(joint_types(batch%row)%free(1:3) == 0)) return
+      do i = 1, batch%n
+         turns = [(any(model%inverse_inertia(batch%lead(i, e), :) > 0.0_wp), e=1, 2)]
+         if (turns(1) .neqv. turns(2)) rail(i) = merge(1.0_wp, -1.0_wp, turns(2))
+      end do
+   end function rails
+
+   !> Blocked rotations: KR = Kn max(SCF L^2, L0^2), L0 the distance of the nodes, L a lever of the
+   !> bodies: LEVERS radii of inertia about the node, but no more than a metre, unless one radius is
+   !> more; of two bodies that move the larger. A metre where none moves. So the unit of length
+   !> does not matter. Source: docs/theory/joints.md 8.2.
+   pure subroutine set_rotations(model, batch)
+      type(consistent_model_t), intent(in) :: model
+      type(joint_batch_t), intent(inout) :: batch
+
+      real(wp) :: metre, square, radius, kr, arm(3)
+      integer :: i, e, dof, lead, free
+
+      if (all(joint_types(batch%row)%free(4:6) == 1)) return
+      free = findloc(joint_types(batch%row)%free(1:3), 0, 1)
+      if (free == 0) return
+      metre = 1.0_wp/model%units%si(2)
+      do i = 1, batch%n
+         if (batch%limited) then
+            if (batch%limit%automatic(i)) cycle
+         end if
+         square = 0.0_wp
+         do e = 1, 2
+            lead = batch%lead(i, e)
+            if (.not. model%inverse_mass(lead) > 0.0_wp) cycle
+            arm = model%x0(batch%node(i, e), :) - model%x0(lead, :)
+            square = max(square, sum(arm**2) + maxval(model%spin_inertia(lead, :))/model%mass(lead))
+         end do
+         radius = sqrt(square)
+         square = max(radius, min(metre, LEVERS*radius))**2
+         if (.not. radius > 0.0_wp) square = metre**2
+         arm = model%x0(batch%node(i, 2), :) - model%x0(batch%node(i, 1), :)
+         kr = batch%k(i, free)*max(batch%scale(i)*square, sum(arm**2))
+         do dof = 4, 6
+            if (joint_types(batch%row)%free(dof) == 0) batch%k(i, dof) = kr
+         end do
+         batch%k_top(i, 2) = maxval(batch%k(i, 4:6), mask=iand(batch%law(4:6), LAW_SPRING) /= 0)
+         if (batch%limited) batch%limit%k_block(i, 2) = kr
+      end do
+   end subroutine set_rotations
 
    !> Components of r on the dual basis of the columns of e
    pure function dual_components(e, r) result(x)

@@ -123,7 +123,7 @@ contains
       end associate
    end subroutine new_leads
 
-   !> Largest extent of the leads and ends of joints along a global axis
+   !> Largest extent of the leads and ends of joints along a global axis, or radius of inertia
    pure real(wp) function size_of(model) result(length)
       type(consistent_model_t), intent(in) :: model
 
@@ -145,6 +145,10 @@ contains
          end do
       end do
       length = max(0.0_wp, maxval(hi - lo))
+      do i = 1, model%n_lead
+         if (model%inverse_mass(i) > 0.0_wp) length = max(length, &
+            sqrt(maxval(model%spin_inertia(i, :))/model%mass(i)))
+      end do
    end function size_of
 
 end module kj_consistent_compliant_build

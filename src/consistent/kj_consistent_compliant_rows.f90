@@ -13,16 +13,13 @@ module kj_consistent_compliant_rows
    public :: bound_stiffness, weigh_rows, extrapolate, residual, correct, velocity_side, &
       velocity_force, coefficients
 
-   !> Gap of a rigid row over the way that its force alone moves the bodies in a step
-   real(wp), parameter :: GAP = 1.0e-6_wp
-
 contains
 
-   !> Stiffness of implicit rows, no more than a step can see: 2/(GAP h^2 s), s = B M^-1 B^T of the
+   !> Stiffness of implicit rows, no more than a step can see: 2/(gap h^2 s), s = B M^-1 B^T of the
    !> row alone. Rigid rows have all of it.
-   pure subroutine bound_stiffness(n, h, rigid, s, rows)
+   pure subroutine bound_stiffness(n, h, gap, rigid, s, rows)
       integer, intent(in) :: n
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h, gap
       logical, intent(in) :: rigid
       real(wp), intent(in) :: s(BLOCK, 21)       !! lower triangles by rows
       type(compliant_block_t), intent(inout) :: rows
@@ -36,7 +33,7 @@ contains
             if (.not. rows%k(i, k) > 0.0_wp) cycle
             associate (own => s(i, k*(k + 1)/2))
                most = huge(1.0_wp)
-               if (own > 0.0_wp) most = 2.0_wp/(GAP*h**2*own)
+               if (own > 0.0_wp) most = 2.0_wp/(gap*h**2*own)
                if (rigid) rows%most(i, k) = merge(most, 0.0_wp, own > 0.0_wp)
                rows%most(i, k) = min(rows%most(i, k), most)
             end associate

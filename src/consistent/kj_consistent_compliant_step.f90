@@ -173,7 +173,7 @@ contains
                      end associate
                   end do
                   call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
-                  call bound_stiffness(n, h, self%rigid, s, rows)
+                  call bound_stiffness(n, h, self%gap, self%rigid, s, rows)
                   call weigh_rows(n, h, self%rigid, rows)
                   self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
                   self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))

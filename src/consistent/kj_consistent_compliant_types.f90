@@ -99,6 +99,8 @@ module kj_consistent_compliant_types
    !> All of it
    type :: compliant_t
       logical :: rigid = .false.                 !! Kn = infinity
+      !> of a rigid row over the way that its force alone moves the bodies in a step
+      real(wp) :: gap = 1.0e-6_wp
       type(compliant_joint_t), allocatable :: joint(:)
       type(pattern_t) :: pattern
       type(factor_t) :: factor

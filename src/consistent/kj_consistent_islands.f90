@@ -14,7 +14,7 @@ module kj_consistent_islands
    use kj_islands, only: find_islands, element_leads, island_steps
    use kj_cut_model, only: cut_t, cut_model
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_build, only: build_consistent_model, new_consistent_state
+   use kj_consistent_build, only: build_consistent_model, new_consistent_state, settle
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_march, only: march_t, start_march, march, balance_ledger, close_ledger, &
       COMPLIANT
@@ -42,8 +42,9 @@ module kj_consistent_islands
 contains
 
    !> Cut a scene that stands at its start
-   subroutine cut_scene(model, whole, n_island, part)
+   subroutine cut_scene(model, state, whole, n_island, part)
       type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
       type(march_t), intent(in) :: whole         !! march of the scene, started
       integer, intent(out) :: n_island
       !> shortest step first; empty for a scene that is best kept in one
@@ -81,7 +82,7 @@ contains
          end if
          call cut_model(model%model_t, leads, home == p, of_element == p, part(p)%cut, &
             part(p)%model%model_t)
-         call start_part(model, whole, part(p))
+         call start_part(model, state, whole, part(p))
       end do
    end subroutine cut_scene
 
@@ -146,8 +147,9 @@ contains
 
    !> Constants, first state and first limit of a part. Stiffness and damping of joints stay what
    !> the whole scene gave: islands change the steps, not the scene.
-   subroutine start_part(model, whole, part)
+   subroutine start_part(model, state, whole, part)
       type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
       type(march_t), intent(in) :: whole
       type(part_t), intent(inout) :: part
 
@@ -165,6 +167,13 @@ contains
       end do
       if (whole%integrator == COMPLIANT) call make_implicit(part%model)
       call new_consistent_state(part%model, part%state)
+      associate (poses => part%state%poses, lead => part%cut%lead)
+         poses%x = state%poses%x(lead, :)        ! those that bear the first forces
+         poses%d = state%poses%d(lead, :)
+         poses%quat = state%poses%quat(lead, :)
+         part%state%l = state%l(lead, :)
+      end associate
+      call settle(part%model, part%state)
       part%march%pace%rigid = whole%pace%rigid
       part%march%pace%tolerance = whole%pace%tolerance
       part%march%pace%turn = whole%pace%turn

@@ -224,6 +224,7 @@ contains
          associate (batch => model%batch(b), geometry => model%batch(b)%geometry, &
             joint => state%joint(b), shown => now%joint(b))
             call show_blocks(batch%n, joint, shown)
+            if (allocated(geometry%rail)) call show_half_way(batch%xl0, geometry%rail, shown)
             if (batch%limited) shown%k_block = batch%limit%k_block
             call joint_rates(batch, state%poses, joint, shown%rate)
             shown%ortho = 0.0_wp
@@ -273,6 +274,22 @@ contains
          end associate
       end do
    end subroutine show_blocks
+
+   !> Moments of joints on a rail as those of the mean frame are: half way between the nodes
+   pure subroutine show_half_way(xl0, rail, shown)
+      real(wp), intent(in) :: xl0(:, :)          !! (n, 3) offset at the start, J
+      real(wp), intent(in) :: rail(:)
+      type(shown_joints_t), intent(inout) :: shown
+
+      real(wp) :: r(3)
+      integer :: j
+
+      do j = 1, size(rail)
+         r = 0.5_wp*rail(j)*(xl0(j, :) + shown%q(j, 1:3))
+         shown%f(j, 5) = shown%f(j, 5) + (r(3)*shown%f(j, 1) - r(1)*shown%f(j, 3))
+         shown%f(j, 6) = shown%f(j, 6) + (r(1)*shown%f(j, 2) - r(2)*shown%f(j, 1))
+      end do
+   end subroutine show_half_way
 
    !> Node 2 is E (xl0 + q) from node 1
    pure subroutine show_lengths(xl0, shown)

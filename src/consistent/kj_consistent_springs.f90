@@ -15,7 +15,8 @@ module kj_consistent_springs
    use kj_consistent_hardening, only: hardened_forces
    use kj_consistent_stop, only: add_limits
    use kj_consistent_friction, only: turn_in_frame
-   use kj_consistent_chart, only: relative_pose, twist_chart, vector_chart, first_skew, spring_axes
+   use kj_consistent_chart, only: relative_pose, twist_chart, vector_chart, first_skew, &
+      spring_axes, quaternion_frame, couple
    use kj_consistent_universal, only: universal_chart
    implicit none
    private
@@ -184,6 +185,10 @@ contains
       case (CHART_TWIST)
          call twist_chart(n, batch%geometry%mean, t1, p, r, q(:, 4:6), b%force, b%couple, &
             b%turn)
+         if (allocated(batch%geometry%rail)) then
+            scalar(:n) = batch%geometry%rail(from:from + n - 1)
+            call ride_on_rail(n, scalar, t1, t2, p, r, b%turn, b%force, b%couple)
+         end if
       case (CHART_VECTOR)
          do i = 1, n
             scalar(i) = merge(1.0_wp, 0.0_wp, batch%geometry%plain(from + i - 1))
@@ -216,6 +221,42 @@ contains
          end do
       end do
    end subroutine coordinates
+
+   !> Frame and couples of twist_chart where one body does not turn: the mean of both twists, but
+   !> the swing of that body alone. The mean frame would act half way between the nodes, with half
+   !> the travel as a lever on the body that turns.
+   pure subroutine ride_on_rail(n, rail, t1, t2, p, r, rot, e, a1)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rail(BLOCK)           !! 1, -1: the swing of body 1, 2; 0: mean frame
+      real(wp), intent(in) :: t1(BLOCK, 4), t2(BLOCK, 4)
+      real(wp), intent(in) :: p(BLOCK, 4)           !! from twist_chart
+      real(wp), intent(in) :: r(BLOCK, 3), rot(BLOCK, 9)
+      real(wp), intent(inout) :: e(BLOCK, 9), a1(BLOCK, 9)
+
+      real(wp) :: d1(BLOCK, 9), d2(BLOCK, 9), d(9), y(BLOCK, 3), c, s, half
+      integer :: i, k
+
+      call quaternion_frame(n, t1, d1)
+      call quaternion_frame(n, t2, d2)
+      do i = 1, n
+         if (abs(rail(i)) < 0.5_wp) cycle
+         d = merge(d1(i, :), d2(i, :), rail(i) > 0.0_wp)
+         c = p(i, 1)/sqrt(p(i, 1)**2 + p(i, 2)**2)
+         s = sign(1.0_wp, rail(i))*p(i, 2)/sqrt(p(i, 1)**2 + p(i, 2)**2)
+         e(i, 1:3) = d(1:3)
+         e(i, 4:6) = c*d(4:6) + s*d(7:9)
+         e(i, 7:9) = c*d(7:9) - s*d(4:6)
+      end do
+      do k = 1, 7, 3
+         call couple(n, r, e(:, k:k + 2), y)
+         do i = 1, n
+            if (abs(rail(i)) < 0.5_wp) cycle
+            half = 0.5_wp*dot_product(e(i, 1:3), y(i, :))
+            if (rail(i) > 0.0_wp) a1(i, k:k + 2) = y(i, :) - half*rot(i, 1:3)
+            if (rail(i) < 0.0_wp) a1(i, k:k + 2) = half*rot(i, 1:3)
+         end do
+      end do
+   end subroutine ride_on_rail
 
    !> Triads and arms carried by the two ends, their relative pose, and node 2 from node 1
    pure subroutine see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)

@@ -40,7 +40,6 @@ module kj_joint_batch
       real(wp), allocatable :: cr_stop(:)       !! (n) the same of stops, consistent: as typed
       real(wp), allocatable :: k_block(:, :)    !! (n, 2) blocked translations, rotations
       logical, allocatable :: automatic(:)      !! (n) k_block comes from the first step
-      real(wp), allocatable :: scale(:)         !! (n) SCF: scale of the automatic stiffness
       real(wp), allocatable :: t_lock(:), t_free(:)   !! (n) locked while t_lock < t <= t_free
    end type limits_t
 
@@ -58,6 +57,8 @@ module kj_joint_batch
       real(wp), allocatable :: triad(:, :)       !! (n, 8) quaternions of the triads in body axes
       real(wp), allocatable :: apart(:, :)       !! (n, 3) lead 2 from lead 1 at the start, W
       real(wp), allocatable :: axis_angle(:)     !! (n) angle(e2, e3) at the start, universal
+      !> (n) 1, -1: body 1, 2 does not turn and carries the mean frame; where a direction is free
+      real(wp), allocatable :: rail(:)
       !> (n, 6) effective mass or inertia of each dof, of limited batches
       real(wp), allocatable :: inertia(:, :)
    end type geometry_t
@@ -81,6 +82,7 @@ module kj_joint_batch
       real(wp), allocatable :: c(:, :)          !! (n, 6) linear damping, user plus critical; or
                                                 !! scale of the curve
       real(wp), allocatable :: cr(:)            !! (n) twice the damping ratio of the blocked dofs
+      real(wp), allocatable :: scale(:)         !! (n) SCF of a KJOINT2, else 1
       real(wp), allocatable :: reduced(:, :)    !! (n, 2) reduced mass, reduced inertia
       integer, allocatable :: k_curve(:, :)     !! (n, 6) curve index, 0 = none
       integer, allocatable :: c_curve(:, :)     !! (n, 6)
@@ -120,6 +122,7 @@ contains
       allocate (batch%xl0(n, 3), batch%frame0(n, 9), batch%k(n, NDOF), batch%c(n, NDOF), &
          batch%cr(n), batch%reduced(n, 2), batch%k_top(n, 2), batch%c_top(n, 2), &
          batch%angle0(n, 3), source=0.0_wp)
+      allocate (batch%scale(n), source=1.0_wp)
    end subroutine new_batch
 
    !> Allocate the limits of a batch: no stops, no friction, no lock
@@ -129,7 +132,7 @@ contains
       batch%limited = .true.
       associate (n => batch%n, l => batch%limit)
          allocate (l%lo(n, NDOF), l%hi(n, NDOF), l%combined(n, NDOF), l%k(n, NDOF), &
-            l%slip(n, NDOF), l%cr(n), l%cr_stop(n), l%k_block(n, 2), l%scale(n), source=0.0_wp)
+            l%slip(n, NDOF), l%cr(n), l%cr_stop(n), l%k_block(n, 2), source=0.0_wp)
          allocate (l%slip_curve(n, NDOF), source=0)
          allocate (l%automatic(n), source=.false.)
          allocate (l%t_lock(n), l%t_free(n), source=huge(1.0_wp))

@@ -108,7 +108,7 @@ contains
          k(2) = max(k(2), 2.0_wp*kr(1), 2.0_wp*kr(2))
       end if
       if (raised) k(2) = max(k(2), MORE*k(1)*(arm2 + length2))
-      k = k*batch%limit%scale(place)
+      k = k*batch%scale(place)
    end function stiffness_of
 
 end module kj_legacy_auto_stiffness

@@ -314,6 +314,7 @@ contains
       batch%cr(i) = p%cr
       if (all(joint_types(p%row)%free == 1)) batch%cr(i) = 0.0_wp
       batch%reduced(i, :) = joint%reduced
+      batch%scale(i) = p%scf
       batch%k_curve(i, :) = p%k_curve
       batch%c_curve(i, :) = p%c_curve
       do dof = 1, NDOF
@@ -358,7 +359,6 @@ contains
       limit%cr_stop(i) = p%cr_stop
       limit%k_block(i, :) = joint%k_block
       limit%automatic(i) = p%automatic
-      limit%scale(i) = p%scf
       limit%t_lock(i) = p%t_lock
       limit%t_free(i) = p%t_free
    end subroutine put_limits

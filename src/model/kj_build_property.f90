@@ -52,7 +52,7 @@ contains
          'KJ-0388', 'Cr, twice the damping ratio, is not between 0 and 1', &
          'expected: 0 to 1; 1 is half of the critical damping')
       p%cr_stop = p%cr
-      if (abs(p%cr) <= 0.0_wp) p%cr = 0.05_wp
+      if (abs(p%cr) <= 0.0_wp) p%cr = merge(0.05_wp, 1.0_wp, draft%legacy)
       p%frame = joint_types(p%row)%frame
       if (second) then
          call read_kjoint2(draft, cards, p)

@@ -225,6 +225,7 @@ contains
       part%c = old%c(rows, :)
       part%cr = old%cr(rows)
       part%reduced = old%reduced(rows, :)
+      part%scale = old%scale(rows)
       part%k_curve = old%k_curve(rows, :)
       part%c_curve = old%c_curve(rows, :)
       part%k_top = old%k_top(rows, :)
@@ -249,7 +250,6 @@ contains
       part%cr_stop = old%cr_stop(rows)
       part%k_block = old%k_block(rows, :)
       part%automatic = old%automatic(rows)
-      part%scale = old%scale(rows)
       part%t_lock = old%t_lock(rows)
       part%t_free = old%t_free(rows)
    end subroutine cut_limits

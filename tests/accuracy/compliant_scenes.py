@@ -6,8 +6,8 @@ import pathlib
 
 import numpy as np
 
-SPHERICAL, REVOLUTE, TRANSLATIONAL = 1, 2, 6
-LAWS = {SPHERICAL: 3, REVOLUTE: 1, TRANSLATIONAL: 1}     # free directions
+SPHERICAL, REVOLUTE, CYLINDRICAL, PLANAR, UNIVERSAL, TRANSLATIONAL, OLDHAM, RIGID = range(1, 9)
+FREE = dict(zip(range(1, 9), (3, 1, 2, 3, 2, 1, 2, 0)))     # free directions
 
 
 def ids(*numbers):
@@ -19,8 +19,10 @@ def reals(*numbers):
 
 
 class Scene:
-    def __init__(self, kn=1e7, cr=0.05, gravity=(1, -9.81)):
-        self.kn, self.cr, self.gravity = kn, cr, gravity
+    def __init__(self, kn=1e7, cr=0.05, gravity=(1, -9.81), length="m"):
+        """length: the unit that the deck is written in; all that is given here is in m"""
+        self.kn, self.cr, self.gravity, self.unit = kn, cr, gravity, length
+        self.size = {"m": 1.0, "dm": 10.0, "mm": 1000.0}[length]
         self.nodes, self.members, self.cards, self.skews, self.joints = [], [], [], 0, 0
         self.held, self.free = [], []
 
@@ -37,7 +39,7 @@ class Scene:
         number = len(self.members)
         if velocity is not None:
             speed = [*velocity, *(spin if spin is not None else (0, 0, 0))]
-            self.cards.append(f"/INIVEL/TRA/{2*number - 1}\nv\n{reals(*speed[:3])}{ids(number + 1000)}")
+            self.cards.append(f"/INIVEL/TRA/{2*number - 1}\nv\n{reals(*self.size * np.array(speed[:3]))}{ids(number + 1000)}")
             self.cards.append(f"/INIVEL/ROT/{2*number}\nw\n{reals(*speed[3:])}{ids(number + 1000)}")
             self.cards.append(f"/GRNOD/NODE/{number + 1000}\nmain\n{ids(main)}")
         return number
@@ -50,7 +52,7 @@ class Scene:
         return self.body((a + b) / 2, mass, (j[0, 0], j[1, 1], j[2, 2], j[0, 1], j[1, 2], j[0, 2]), **motion)
 
     def join(self, kind, body1, body2, x, axis=(1, 0, 0)):
-        x, e1 = np.array(x, float), np.array(axis, float)
+        x, e1 = np.array(x, float), np.array(axis, float) / np.linalg.norm(axis)
         e2 = np.cross(e1, [0, 0, 1] if abs(e1[2]) < 0.9 else [1, 0, 0])
         ends = []
         for body in (body1, body2):
@@ -59,42 +61,48 @@ class Scene:
             self.skews += 1
             self.cards.append(f"/SKEW/MOV/{self.skews}\nskew\n{ids(*triad)}")
             ends.append(triad[0])
+            if kind == UNIVERSAL:                # the other arm of the cross
+                e1, e2 = e2, -e1
         self.joints += 1
         n = self.joints
         cards = [f"/PROP/KJOINT/{n}\njoint\n{ids(kind, 0)}", ids(2*n - 1, 2*n) + reals(0, self.cr)]
-        if kind == SPHERICAL:
+        free = FREE[kind]
+        if kind == PLANAR:
+            cards += [reals(self.kn, 0, 0) + ids(0, 0), reals(0) + ids(0), reals(0, 0, 0), ids(0, 0, 0)]
+        elif free == 3:
             cards += [reals(self.kn, 0, 0, 0), ids(0, 0, 0), reals(0, 0, 0), ids(0, 0, 0)]
         else:
-            cards += [reals(self.kn, 0) + ids(0), reals(0) + ids(0)]
+            none = free * [0]
+            cards += [reals(self.kn, *none) + ids(*none), reals(*none) + ids(*none)][:1 + min(free, 1)]
         self.cards += cards + [f"/PART/{n}\njoint\n{ids(n, 0, 0)}", f"/SPRING/{n}\n{ids(900 + n, *ends)}"]
         return n
 
     def write(self, root, until, sample):
         out = ["#RADIOSS STARTER", "/BEGIN", pathlib.Path(root).name, ids(2022, 0),
-               *2 * ["                  kg                   m                   s"], "/NODE"]
-        out += [ids(i) + reals(*x) for i, x in enumerate(self.nodes, 1)]
+               *2 * [f"{'kg':>20}{self.unit:>20}{'s':>20}"], "/NODE"]
+        out += [ids(i) + reals(*self.size * np.array(x)) for i, x in enumerate(self.nodes, 1)]
         out += self.cards
         for n, (main, members, mass, inertia) in enumerate(self.members, 1):
             out += [f"/GRNOD/NODE/{n}", "members"]
             out += [ids(*members[i:i + 10]) for i in range(0, len(members), 10)]
             out += [f"/RBODY/{n}", f"body {n}", ids(main, 0, 0, 0) + reals(mass) + ids(n, 0, 3, 0),
-                    reals(*inertia[:3]), reals(*inertia[3:]), ids(0, 0)]
+                    *[reals(*self.size**2 * np.array(part)) for part in (inertia[:3], inertia[3:])], ids(0, 0)]
         for group, members in ((2001, self.held), (2002, self.free)):
             out += [f"/GRNOD/NODE/{group}", "group"]
             out += [ids(*members[i:i + 10]) for i in range(0, len(members), 10)]
         out += ["/BCS/1", "held", "   111 111" + ids(0, 2001)]
         if self.gravity:
             out += ["/GRAV/1", "gravity", f"{ids(0)}         {'XYZ'[self.gravity[0]]}{ids(0, 0, 2002)}"
-                    f"          {reals(1, self.gravity[1])}"]
+                    f"          {reals(1, self.size * self.gravity[1])}"]
         out += ["/END"]
         pathlib.Path(f"{root}_0000.rad").write_text("\n".join(out) + "\n")
         pathlib.Path(f"{root}_0001.rad").write_text(
             f"/RUN/{pathlib.Path(root).name}/1\n{until}\n/TFILE/1\n{sample}\n/PRINT/-1000\n")
 
 
-def bricard(kn=1e7):
+def bricard(kn=1e7, length="m"):
     """Five rods of 1 m and six hinges: a loop that moves although the count of its constraints says no"""
-    scene = Scene(kn)
+    scene = Scene(kn, length=length)
     p = [(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)]
     axes = [(0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 0)]
     bodies = [scene.body((0, 0, 0), 1, (1, 1, 1), held=True)]

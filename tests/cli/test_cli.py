@@ -246,21 +246,25 @@ class Trace(Program):
         for a, b in zip(wanted, got):
             self.assertLessEqual(abs(a - b), tolerance, (wanted, got))
 
-    def test_the_start_is_free_fall(self):
-        for words in ([], ["--legacy"]):
+    def test_the_start(self):
+        """Free fall under legacy. Under consistent the hinge bears the bar: F/m + F a^2/J = g, a = 0.5, J = 0.125"""
+        borne = self.GRAVITY/(1/self.MASS + 0.5**2/0.125)
+        for words, up in (([], borne), (["--legacy"], 0.0)):
             records = self.records(*words)
             self.assertEqual({("joint", 0), ("body", 0), ("joint", 1), ("body", 1)}, set(records))
             joint, body = records["joint", 0], records["body", 0]
             self.assertEqual(0.0, joint["time"])
-            for name in ("q", "rate", "force", "friction"):
+            for name in ("rate", "friction"):
                 self.assert_near([0.0]*6, joint[name], 1e-9)  # Kn 1e6 times rounding
+            self.assert_near([0, -up, 0, 0, 0, 0], joint["force"], 2e-5*self.GRAVITY)
+            self.assert_near([0, -up/1e6, 0, 0, 0, 0], joint["q"], 1e-9 if not up else 6e-6)
             self.assertEqual([(101, 1), (201, 2)], [(e["node"], e["carrier_id"]) for e in joint["ends"]])
             # axis of the hinge along y, towards the third node along z
             self.assert_near([0, 1, 0, 0, 0, 1, 1, 0, 0], joint["frame"], 1e-12)
-            self.assertEqual([0.5, 0.0, 0.0], body["position"])
-            self.assert_near([1, 0, 0, 0], body["attitude"], 1e-12)
-            self.assert_near([0, 0, -self.GRAVITY], body["acceleration"], 1e-9)
-            self.assert_near([0, 0, -self.MASS*self.GRAVITY], body["force"], 1e-9)
+            self.assert_near([0.5, 0.0, 0.0], body["position"], up/1e6)
+            self.assert_near([1, 0, 0, 0], body["attitude"], up/1e6)
+            self.assert_near([0, 0, up/self.MASS - self.GRAVITY], body["acceleration"], 2e-5*self.GRAVITY)
+            self.assert_near([0, 0, up - self.MASS*self.GRAVITY], body["force"], 2e-5*self.GRAVITY)
             self.assertEqual([901], body["joints"])
 
     def test_newton_holds_and_laws_add_up(self):
@@ -298,7 +302,8 @@ class Trace(Program):
             lead = node["lead"]
             self.assertEqual(("body", 2), (lead["carrier"], lead["carrier_id"]))
             self.assert_near([-0.5, 0.0, 0.1],
-                             [a - b for a, b in zip(node["position"], lead["position"])], 1e-6)
+                             [a - b for a, b in zip(node["position"], lead["position"])],
+                             1e-6 if words else 5e-6)         # the hinge bears the bar: it starts turned by 3e-6
             w = lead["omega"][1]                              # v = v0 + w x r
             self.assert_near([0.1*w, 0.0, 0.5*w],
                              [a - b for a, b in zip(node["velocity"], lead["velocity"])], 1e-8)

@@ -136,7 +136,7 @@ def nodes_ride(file, name, limit):
     ids = list(file["node/node"][:])
     for node in (201, 202):
         k = ids.index(node)
-        expected = c + rotate(q, x[0, k] - c[0])
+        expected = c + rotate(q, rotate(q[:1] * [1, -1, -1, -1], x[0, k] - c[0])[0])   # q[0]: joints bear forces
         check(f"{name}: node {node} rides on its body", abs(x[:, k] - expected).max(), limit)
 
 
