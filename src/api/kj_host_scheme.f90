@@ -80,7 +80,7 @@ contains
 
       associate (n => set%model%n_lead)
          if (any(set%model%batch%limited)) then
-            call start_scene(set%model, .false., .false., set%cs, error)
+            call start_scene(set%model, .false., .true., set%cs, error)
             if (allocated(error)) return
          else
             call build_consistent_model(set%model)

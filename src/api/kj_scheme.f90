@@ -179,8 +179,7 @@ contains
       type(scheme_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
 
-      call start_scene(model, self%integrator == RKMK4, .not. self%march%pace%rigid, self%state, &
-         error)
+      call start_scene(model, self%integrator == RKMK4, self%march%pace%rigid, self%state, error)
       if (allocated(error)) return
       if (self%integrator == COMPLIANT) call make_implicit(model)
       self%march%integrator = self%integrator

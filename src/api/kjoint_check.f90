@@ -235,7 +235,7 @@ contains
 
       ! a stiffness that nothing tells yet is left 0
       scene%model_t = model
-      call start_scene(scene, .false., .false., state, error)
+      call start_scene(scene, .false., .true., state, error)
       call new_bound(scene, .false., state, bound)
       report%safe_step = bound%h
       call find_islands(model, island, n)

@@ -33,7 +33,7 @@ contains
    subroutine start_scene(model, explicit, loaded, state, error)
       type(consistent_model_t), intent(inout) :: model   !! that of all is there
       logical, intent(in) :: explicit            !! damping shortens the step
-      logical, intent(in) :: loaded              !! blocked directions bear the first forces
+      logical, intent(in) :: rigid               !! joints that need no way to bear a force
       type(consistent_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
 
@@ -47,7 +47,7 @@ contains
          call new_consistent_state(model, state)
       end if
       call set_damping(model, state, w2)
-      if (loaded) call bear_forces(model, w2, state)
+      if (.not. rigid) call bear_forces(model, w2, state)
       call settle(model, state)
    end subroutine start_scene
 
