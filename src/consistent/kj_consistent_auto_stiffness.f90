@@ -30,7 +30,7 @@ contains
    !> Constants and state at t = 0.
    !>
    !> Errors: ERR_RUN when a joint takes its stiffness from the step, and nothing limits that.
-   subroutine start_scene(model, explicit, loaded, state, error)
+   subroutine start_scene(model, explicit, rigid, state, error)
       type(consistent_model_t), intent(inout) :: model   !! that of all is there
       logical, intent(in) :: explicit            !! damping shortens the step
       logical, intent(in) :: rigid               !! joints that need no way to bear a force
