@@ -51,7 +51,8 @@ class Scene:
         j = mass / 12 * (d @ d * np.eye(3) - np.outer(d, d)) + 1e-4 * mass * np.outer(d, d)
         return self.body((a + b) / 2, mass, (j[0, 0], j[1, 1], j[2, 2], j[0, 1], j[1, 2], j[0, 2]), **motion)
 
-    def join(self, kind, body1, body2, x, axis=(1, 0, 0)):
+    def join(self, kind, body1, body2, x, axis=(1, 0, 0), law=(0, 0)):
+        """law: stiffness and damping of the one free direction"""
         x, e1 = np.array(x, float), np.array(axis, float) / np.linalg.norm(axis)
         e2 = np.cross(e1, [0, 0, 1] if abs(e1[2]) < 0.9 else [1, 0, 0])
         ends = []
@@ -73,7 +74,8 @@ class Scene:
             cards += [reals(self.kn, 0, 0, 0), ids(0, 0, 0), reals(0, 0, 0), ids(0, 0, 0)]
         else:
             none = free * [0]
-            cards += [reals(self.kn, *none) + ids(*none), reals(*none) + ids(*none)][:1 + min(free, 1)]
+            k, c = ([value, *none[1:]][:free] for value in law)
+            cards += [reals(self.kn, *k) + ids(*none), reals(*c) + ids(*none)][:1 + min(free, 1)]
         self.cards += cards + [f"/PART/{n}\njoint\n{ids(n, 0, 0)}", f"/SPRING/{n}\n{ids(900 + n, *ends)}"]
         return n
 
@@ -161,4 +163,40 @@ def chain(n, kn=1e6, hubs=1):
             ball = scene.body((0.1 * k + 0.05, hub, 0), 0.2, (2e-5, 1.8e-4, 2e-4))
             scene.join(SPHERICAL, last, ball, (0.1 * k, hub, 0))
             last = ball
+    return scene
+
+
+def governor(kn=1e7):
+    """Flyball governor: a shaft along y that turns with two arms, their balls, links, and a collar on a spring
+    and damper; loops in a plane that turns, so every hinge is redundant"""
+    scene = Scene(kn)
+    ground = scene.body((0, 0, 0), 1, (1, 1, 1), held=True)
+    spin, z = (0, 2 * np.pi, 0), (0, 0, 1)
+
+    def turning(x, mass, inertia):
+        return scene.body(x, mass, inertia, velocity=np.cross(spin, x), spin=spin)
+
+    shaft = turning((0, 0.5, 0), 20.0, (1.5, 0.5, 1.5))
+    collar = turning((0, 0, 0), 3.0, (0.05, 0.05, 0.05))
+    scene.join(REVOLUTE, ground, shaft, (0, 1, 0), (0, 1, 0))
+    scene.join(TRANSLATIONAL, shaft, collar, (0, 0, 0), (0, 1, 0), law=(1000.0, 100.0))
+    for side in (1, -1):
+        knee = np.array([0.5 * side, 0.5, 0])
+        arm = turning(knee * [0.8, 1, 1] + [0, 0.1, 0], 5.0, (0.2, 0.2, 0.3))
+        link = turning(knee / 2, 0.5, (0.02, 0.02, 0.04))
+        scene.join(REVOLUTE, shaft, arm, (0, 1, 0), z)
+        scene.join(REVOLUTE, arm, link, knee, z)
+        scene.join(REVOLUTE, link, collar, (0, 0, 0), z)
+    return scene
+
+
+def shafts(kind, spin=10.0):
+    """Two shafts along x, 0.05 m apart, under a coupling"""
+    scene = Scene(2e6, gravity=None)
+    ground = scene.body((0, 0, 0), 1, (1, 1, 1), held=True)
+    ends = [scene.body((x, 0, off), 1.0, (0.002, 0.004, 0.004), velocity=(0, 0, 0), spin=(spin, 0, 0))
+            for x, off in ((-0.1, 0), (0.1, 0.05))]
+    for body, x, off in zip(ends, (-0.1, 0.1), (0, 0.05)):
+        scene.join(REVOLUTE, ground, body, (x, 0, off), (1, 0, 0))
+    scene.join(kind, *ends, (0, 0, 0), (1, 0, 0))
     return scene

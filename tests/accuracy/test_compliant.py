@@ -126,7 +126,7 @@ class Benchmarks(unittest.TestCase):
         run, _ = benchmark("RIGI01", *INF, *FIXED, "--sample", 0.01)
         for kind in ("momentum", "angular_momentum"):
             p = np.stack([run[f"{kind}_{x}"] for x in "xyz"], axis=1)
-            self.assertLess(np.linalg.norm(p - p[0], axis=1).max() / np.linalg.norm(p[0]), 2e-14, kind)
+            self.assertLess(np.linalg.norm(p - p[0], axis=1).max() / np.linalg.norm(p[0]), 1e-14, kind)
 
     def test_error_option_keeps_its_word(self):
         _, error = benchmark("SLCR01", *INF, "--sample", 0.05)
@@ -141,11 +141,18 @@ class Benchmarks(unittest.TestCase):
 
     def test_reactions_have_no_start_up_ringing(self):
         """Against a run in tenths of the steps: forces at t, from the first row on"""
-        rough, _ = benchmark("SLCR01", *INF, *FIXED, "--sample", 0.004)
-        fine, _ = benchmark("SLCR01", *INF, *FIXED, "--sample", 0.0004)
-        force = fine["joint/force"][::10]
-        rms = np.sqrt(((rough["joint/force"] - force)**2).mean()) / np.abs(force).max()
-        self.assertLess(rms, 3.5e-4)
+        for kn in (INF, ()):
+            rough, _ = benchmark("SLCR01", *kn, *FIXED, "--sample", 0.004)
+            fine, _ = benchmark("SLCR01", *kn, *FIXED, "--sample", 0.0004)
+            force = fine["joint/force"][::10]
+            rms = np.sqrt(((rough["joint/force"] - force)**2).mean()) / np.abs(force).max()
+            self.assertLess(rms, 3e-4)
+
+    def test_fast_tops(self):
+        """0.05 to 0.45 rad of spin a step, nutation faster still: numbers stay numbers"""
+        for turn in (0.05, 0.15, 0.3, 0.45):
+            run, _ = benchmark("HTOP01", *INF, *FIXED, "--sample", turn / 150, "--until", 0.2)
+            self.assertTrue(run.finite())
 
 
 class Mechanisms(unittest.TestCase):
@@ -177,16 +184,79 @@ class Mechanisms(unittest.TestCase):
         self.assertLess(apart(run, fine, "joint/rotation"), 2.0e-4)
 
     def test_heavy_last_link(self):
+        """The page has 3.3e-5 m for a link that it does not name. Here the last upright weighs 1e4 kg: all follows
+        that rod, angle'' = 3 g sin(angle)/2, from upright with 1 rad/s. The leapfrog scheme in its angle alone,
+        which is second order like RATTLE, is wrong by 8.7e-5 rad, that is m of the couplers, after 0.6 s."""
+        def leapfrog(h, angle=0.0, rate=1.0):
+            for _ in range(round(0.6 / h)):
+                rate += h / 2 * 1.5 * 9.81 * np.sin(angle)
+                angle += h * rate
+                rate += h / 2 * 1.5 * 9.81 * np.sin(angle)
+            return angle
+
+        limit = abs(leapfrog(0.005) - leapfrog(0.00005))
         fine = scene(scenes.four_bars(last=1e4), 0.6, 0.005, *INF, *FIXED, "--sample", 0.6/1920)
         run = scene(scenes.four_bars(last=1e4), 0.6, 0.005, *INF, *FIXED)
-        self.assertLess(apart(run, fine), 1.8e-4)
+        self.assertLess(apart(run, fine), limit)
         self.assertTrue(run.finite())
 
     def test_singular_positions(self):
-        """Ten seconds through the positions in which all bars lie on a line: no NaN, energy kept"""
+        """Ten seconds through the positions in which all bars lie on a line, h = 0.01. The couplers stay level, so
+        one angle is left: three uprights of 1/3 kg m^2, two couplers of 1 kg: 3 angle'' = 7/2 g sin(angle)."""
         run = scene(scenes.four_bars(), 10.0, 0.01, *FIXED)
         energy = run["kinetic_energy_trans"] + run["kinetic_energy_rot"] + run["internal_energy"] + run["potential_energy"]
         self.assertLess(np.abs(energy - energy[0]).max(), 5e-3 * run["kinetic_energy_trans"].max())
+        y, h, angles = np.array([0.0, 1.0]), 1e-3, [0.0]
+
+        def rate(y):
+            return np.array([y[1], 3.5 / 3 * 9.81 * np.sin(y[0])])
+
+        for n in range(10000):
+            k1 = rate(y)
+            k2 = rate(y + h / 2 * k1)
+            k3 = rate(y + h / 2 * k2)
+            y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + h * k3))
+            if n % 10 == 9:
+                angles.append(y[0])
+        coupler = position(run)[:, 4, :2] - [0.5, 0]           # level: its centre goes as B0
+        exact = np.stack([np.sin(angles), np.cos(angles)], axis=1)
+        self.assertLess(np.abs(coupler - exact).max(), 2e-2)
+
+    def test_governor(self):
+        """A spring and a damper on the collar: second order. Redundant hinges; 500 steps a second"""
+        build = scenes.governor
+        fine = scene(build(), 1.0, 0.004, *INF, *FIXED, "--sample", 1/8000)
+        error = [apart(scene(build(), 1.0, h, *INF, *FIXED), fine) for h in (0.004, 0.002)]
+        slider = apart(scene(build(), 1.0, 0.002, *INF, *FIXED), fine, "joint/displacement")
+        self.assertAlmostEqual(np.log2(error[0] / error[1]), 2.0, delta=0.1)
+        self.assertLess(error[1], 5.5e-4)
+        self.assertLess(slider, 5.1e-5)
+
+    def test_oldham_coupling(self):
+        """Two shafts 0.05 m apart turn with 10 rad/s, 0.1 rad a step: the way across the coupling, in its axes that
+        turn along, goes as 0.05 (sin, cos - 1) of the angle"""
+        for kn in (INF, ()):
+            run = scene(scenes.shafts(scenes.OLDHAM), 1.0, 0.01, *kn, *FIXED)
+            way = np.linalg.norm(run["joint/displacement"][:, 2, 1:], axis=1)
+            self.assertLess(np.abs(way - 0.1 * np.abs(np.sin(5 * run["time"]))).max(), 8.5e-8)
+
+    def test_velocities_that_do_not_fit(self):
+        """One upright of four bars is struck, the others rest: what joints do not allow is gone at once, where split2
+        rings. In the end both have the same energy and place."""
+        def struck():
+            build = scenes.four_bars(1)
+            build.gravity = None
+            speed = [k for k, card in enumerate(build.cards) if card.startswith("/INIVEL")]
+            for k in speed[2:]:
+                build.cards[k] = "\n".join([*build.cards[k].split("\n")[:2], scenes.reals(0, 0, 0) + build.cards[k].split("\n")[2][60:]])
+            return build
+
+        fast = scene(struck(), 0.7, 0.07, *FIXED, "--sample", 0.007)
+        slow = scene(struck(), 0.7, 0.07, integrator="split2")
+        kinetic = [(run["kinetic_energy_trans"] + run["kinetic_energy_rot"])[-1] for run in (fast, slow)]
+        self.assertLess(abs(kinetic[0] - kinetic[1]), 1e-4)
+        self.assertLess(np.abs(position(fast)[-1] - position(slow)[-1]).max(), 1.5e-4)
+        self.assertIn("KJ-9047", fast.text)
 
     def test_chain(self):
         fine = scene(scenes.chain(50), 0.3, 0.003, *INF, *FIXED, "--sample", 0.3/3200)
@@ -220,13 +290,44 @@ class Mechanisms(unittest.TestCase):
             self.assertTrue(run.finite())
 
     def test_energy_has_no_trend(self):
-        """100 s of a pendulum on a hinge: balance of kinetic energy, work on the joint and potential"""
-        run, _ = benchmark("IFA01", *INF, *FIXED, "--sample", 0.02, "--until", 100)
-        kinetic = run["kinetic_energy_trans"] + run["kinetic_energy_rot"]
-        s = (kinetic + run["internal_energy"] + run["potential_energy"]) / kinetic.max()
-        tenth = len(s) // 10
-        self.assertLess(abs(s[:tenth].mean() - s[-tenth:].mean()), 2e-5)
-        self.assertLess(s.max() - s.min(), 2e-3)
+        """400 s of a pendulum on a hinge: balance of kinetic energy, work on the joint and potential"""
+        run, _ = benchmark("IFA01", *INF, *FIXED, "--sample", 0.02, "--until", 400)
+        drift, swing = trend(run)
+        self.assertLess(drift, 1e-5)
+        self.assertLess(swing, 2e-3)
+
+    def test_a_run_that_cannot_go_on_leaves_numbers(self):
+        """A step far too long for its passes is halved; where no step goes it is an error that names joint and time.
+        In a history there are numbers only."""
+        for build, kn in ((scenes.slider_crank, INF), (scenes.bricard, INF), (scenes.bricard, ())):
+            for h in (0.1, 0.25, 0.5):
+                run = scene(build(), 1.0, h, *FIXED, *kn, fails=True)
+                self.assertTrue(run.finite())
+                if run.status:
+                    self.assertIn("does not converge", run.text)
+
+
+def trend(run):
+    """Last against first tenth, and swing, of kinetic + work on joints + potential, over the largest kinetic energy"""
+    kinetic = run["kinetic_energy_trans"] + run["kinetic_energy_rot"]
+    s = (kinetic + run["internal_energy"] + run["potential_energy"]) / kinetic.max()
+    tenth = len(s) // 10
+    return abs(s[:tenth].mean() - s[-tenth:].mean()), s.max() - s.min()
+
+
+class HundredThousandSteps(unittest.TestCase):
+    """Limits of the balance: ten times what the prototype had in a tenth of the steps, 1.5e-5. Four bars turn over and
+    pass their singular position twice a turn."""
+
+    def test_four_bars(self):
+        run = scene(scenes.four_bars(1), 1000.0, 0.01, *FIXED)
+        self.assertEqual(run.cycles, 100000)
+        self.assertLess(trend(run)[0], 1.5e-4)
+
+    def test_slider_crank(self):
+        run = scene(scenes.slider_crank(), 500.0, 0.005, *INF, *FIXED)
+        self.assertEqual(run.cycles, 100000)
+        self.assertLess(trend(run)[0], 1.5e-4)
 
 
 class Limits(unittest.TestCase):
