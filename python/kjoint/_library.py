@@ -52,7 +52,8 @@ def values_of(structure: ct.Structure) -> dict[str, Any]:
     found = {name: getattr(structure, name) for name, *_ in structure._fields_}
     for name, value in found.items():
         if isinstance(value, ct.Array):
-            found[name] = np.frombuffer(value, float).reshape(len(value), -1).squeeze()
+            buffer: Any = value
+            found[name] = np.frombuffer(buffer, float).reshape(len(value), -1).squeeze()
     return found
 
 

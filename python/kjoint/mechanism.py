@@ -376,14 +376,15 @@ class Mechanism:
         lines += [_ints(n) for n in range(1, len(self._bodies) + 1)] + ["/END", ""]
         return "\n".join(lines)
 
-    def write(self, root: Path, until: float, sample: float) -> list[str]:
-        """Write ROOT_0000.rad and ROOT_0001.rad for the command line; until, sample [time].
+    def write(self, root: Path, until: float, sample: float | None = None) -> list[str]:
+        """Write ROOT_0000.rad and ROOT_0001.rad for the command line; end, interval of samples [time],
+        None: 500 samples.
 
         >>> import kjoint
         >>> kjoint.example().write("pendulum", until=1.0, sample=0.01)
         ['pendulum_0000.rad', 'pendulum_0001.rad']
         """
-        name = pathlib.Path(root).name
+        name, sample = pathlib.Path(root).name, until/500 if sample is None else sample
         engine = "\n".join((f"/RUN/{name}/1", repr(float(until)), "/TFILE/1", repr(float(sample)),
                             "/VERS/2023", "/END", ""))
         files = [f"{root}_0000.rad", f"{root}_0001.rad"]
@@ -391,17 +392,20 @@ class Mechanism:
             pathlib.Path(path).write_text(text, encoding="utf-8")
         return files
 
-    def model(self, until: float, sample: float, **options: Any) -> Model:
-        """The mechanism as a Model, ready to run or to step; until, sample [time].
+    def model(self, until: float, sample: float | None = None, **options: Any) -> Model:
+        """The mechanism as a Model, ready to run or to step; end, interval of samples [time], None: 500
+        samples.
 
         >>> import kjoint
         >>> kjoint.example().model(until=1.0, sample=0.01).joints
         [1]
         """
+        sample = until/500 if sample is None else sample
         return Model(DeckText(self.deck()), until=until, sample=sample, **options)
 
-    def run(self, until: float, sample: float, **options: Any) -> Model:
-        """Run it; until, sample [time], options as kjoint.options() has them.
+    def run(self, until: float, sample: float | None = None, **options: Any) -> Model:
+        """Run it; end, interval of samples [time], None: 500 samples; options as kjoint.options() has
+        them.
 
         >>> import kjoint
         >>> run = kjoint.example().run(until=1.0, sample=0.01, integrator="compliant", error=1e-4)

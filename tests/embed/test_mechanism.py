@@ -233,6 +233,15 @@ class Shown(unittest.TestCase):
                          [text.get_text() for text in figure.axes[0].get_legend().get_texts()])
         self.assertEqual("time [s]", figure.axes[1].get_xlabel())
 
+    def test_without_an_interval_there_are_500_samples(self):
+        self.assertEqual(501, len(kjoint.example().run(until=0.5)["time"]))
+
+    def test_written_decks_give_the_bits_of_the_mechanism(self):
+        root = os.path.join(os.path.dirname(self.path), "pendulum")
+        deck, engine = kjoint.example().write(root, until=0.5, sample=0.1)
+        run = kjoint.Model(deck, engine).run()
+        np.testing.assert_array_equal(run["joint/force"], self.model["joint/force"])
+
     def test_no_history(self):
         with self.assertRaises(kjoint.Error) as caught:
             kjoint.Run.open("nowhere.h5")
