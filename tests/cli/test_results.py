@@ -224,6 +224,28 @@ class Worst(Program):
                 self.assertEqual(f"joint hinge (901) gave way by {100*gap/self.ARM:.0f} % of its arm, "
                                  f"{gap:.1E} of 5.0E-01", found[0]["message"])
 
+    def test_a_blocked_turn_is_a_warning_too(self):
+        """The hammer at rest but for its head, which turns about the weld's x axis at 10 rad/s: with 0.001 and
+        0.005 kg m2 about that axis the weld is twisted by 10 sqrt(8.33e-4/Kn), and no force acts. At Kn 200
+        N m/rad these are 0.0204 rad, a few percent less by its damping of 2.5 %; at 1e4 0.0029."""
+        text = (SOURCE / "decks" / "rigid_weld_0000.rad").read_text()
+        for old, new in (("         Z         0      1003", "         X         0      1003"),
+                         ("       100       200\n#---", "       200\n#---"),
+                         ("                 3.0                 0.0                 4.0                10.0",
+                          "                 0.0                 0.0                 0.0                10.0")):
+            self.assertEqual(1, text.count(old))
+            text = text.replace(old, new)
+        (self.folder / "twist_0000.rad").write_text(text)
+        engine = (SOURCE / "decks" / "rigid_weld_0001.rad").read_text()
+        (self.folder / "twist_0001.rad").write_text(engine)
+        for kn, twist in ((200.0, 0.0204), (1e4, 0.0029)):
+            done = json.loads(self.kjoint("run", "--json", "twist_0000.rad", "--kn-scale", f"{kn/1e6}",
+                                          "--until", "0.05", "--sample", "1e-4", "-o", "twist.h5").stdout)
+            found = done["worst"]["blocked_rotation"]["value"]
+            self.assertTrue(0.94*twist < found < 1.01*twist, found)
+            wanted = [f"joint weld (901) gave way by {found:.1E} rad in a blocked rotation"] if kn < 1e3 else []
+            self.assertEqual(wanted, [f["message"] for f in done["findings"] if f["id"] == "KJ-9302"])
+
     def test_info_reads_a_t01_as_another_reader_does(self):
         t01 = SOURCE / "tests" / "parity" / "REV01" / "REV01T01"
         times, data = read_t01(t01)
