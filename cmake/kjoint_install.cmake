@@ -27,6 +27,7 @@ find_package(Python3 3.9 QUIET COMPONENTS Interpreter)
 if(KJOINT_IO AND Python3_FOUND AND NOT SKBUILD)
   set(share ${PROJECT_BINARY_DIR}/share)
   add_custom_command(OUTPUT ${share}/man/man1/kjoint.1.gz VERBATIM
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${share}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/manual $<TARGET_FILE:kjoint_cli> ${share}
     COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/editors $<TARGET_FILE:kjoint_cli>
       ${share}/kjoint/editors
