@@ -153,6 +153,13 @@ contains
       character(len=:), allocatable :: text
 
       text = ''
+      associate (o => t%options)
+         if (o%mechanism) text = text//' --mechanism'
+         if (o%ignore_unsupported) text = text//' --ignore-unsupported'
+         if (o%ignore_random) text = text//' --ignore-random'
+         if (o%set /= '') text = text//' --set '//trim(o%set)
+         if (o%joint /= '') text = text//' --joint '//trim(o%joint)
+      end associate
       if (t%options%formulation == 'legacy') then
          text = text//' --legacy'
       else if (t%options%integrator /= 'split2') then

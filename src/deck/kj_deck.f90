@@ -23,8 +23,8 @@ module kj_deck
 
    integer, parameter :: NEWEST = 2612          !! newest format version
    integer, parameter :: OLD = 2017             !! of older ones not every layout is known
-   integer, parameter :: VERSIONS(*) = [51, 90, 100, 110, 120, 140, 2017, 2018, 2019, 2020, 2021, &
-      2022, 2023, 2024, 2025, 2026, NEWEST]
+   integer, parameter :: VERSIONS(*) = [51, 90, 100, 110, 120, 130, 140, 2017, 2018, 2019, 2020, &
+      2021, 2022, 2023, 2024, 2025, 2026, NEWEST]
    character(len=6), parameter :: QUANTITY(3) = ['mass  ', 'length', 'time  ']
 
    !> What a base unit is called

@@ -3,7 +3,7 @@
 !> What runs is the text that `kjoint extract` writes: the file and the run in memory are one.
 module kj_mechanism
    use kj_kinds, only: wp
-   use kj_error, only: finding_list_t
+   use kj_error, only: finding_list_t, add_finding
    use kj_sort, only: find
    use kj_keywords, only: KW_SPRING
    use kj_deck_text, only: deck_t, source_t, add_source, block_at
@@ -66,6 +66,7 @@ contains
       if (.not. deck%readable) return
       report%text = page%text(:page%n)
       call read_page(path, page, draft%deck, deck)
+      call leave_repeats(draft%deck%findings%n, deck%findings)
       allocate (report%input(deck%n_source - 1))
       do i = 1, size(report%input)
          report%input(i)%s = deck%source(i + 1)%path
@@ -79,6 +80,26 @@ contains
       n = 0
       if (findings%n > 0) n = count(findings%item(:findings%n)%id == 'KJ-9116')
    end function count_late
+
+   !> Leave out what the full deck was told before: the format version, its units
+   subroutine leave_repeats(n_full, findings)
+      integer, intent(in) :: n_full              !! findings of the full deck, the first ones
+      type(finding_list_t), intent(inout) :: findings
+
+      type(finding_list_t) :: all
+      integer :: i, k
+
+      if (findings%n_left > 0) return            ! counts that no list explains
+      all = findings
+      findings = finding_list_t()
+      do i = 1, all%n
+         do k = 1, min(n_full, i - 1)
+            if (all%item(k)%id == all%item(i)%id .and. all%item(k)%message == all%item(i)%message) &
+               exit
+         end do
+         if (k > min(n_full, i - 1) .or. i <= n_full) call add_finding(findings, all%item(i))
+      end do
+   end subroutine leave_repeats
 
    !> Mass and inertia that kept springs put on nodes
    subroutine weigh_kept_springs(draft, scales, keep, mass, inertia)
