@@ -206,6 +206,10 @@ int kj_model_about(kj_model *model, const char *channel, char *buffer, size_t si
 /* The samples as a history file (HDF5); KJ_FILE when the library was built without it */
 int kj_model_write_history(kj_model *model, const char *path);
 
+/* Overall rating of a curve against another after ISO/TS 18571, 1 = equal: n samples of both, evenly
+ * spaced. NaN where it is not defined, as with less than 9; KJ_FILE as above */
+int kj_rate_iso18571(int n, const double *reference, const double *curve, double *rating);
+
 /* Ids of all bodies or joints; count: room in ids, must be enough */
 int kj_model_body_count(const kj_model *model, int *n);
 int kj_model_joint_count(const kj_model *model, int *n);

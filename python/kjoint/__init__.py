@@ -4,7 +4,8 @@ Mechanism  builds a mechanism in a few lines and runs it
 Model      a Radioss deck: run it, or step, ask and change it
 Run        a history file or a T01, with names, units and labels
 Joints     joints as elements of a host that owns nodes, masses and time
-sweep      many variants of a deck, by its /PARAMETER; also python -m kjoint.sweep
+sweep      many variants of a deck, by its /PARAMETER: an xarray.Dataset
+kjoint.fit holds fit: values of /PARAMETER that meet targets
 example    a pendulum to try things on; options(), version()
 
 Arrays are numpy arrays of nodes x 3; quaternions are w x y z; angles in radian; vectors in the
@@ -29,13 +30,13 @@ if TYPE_CHECKING:                                       # else loaded by the fir
     from .mechanism import Mechanism, example
     from .model import Model
     from .samples import Run
-    from .sweep import sweep
+    from .variants import sweep
 
     __version__: str
 
 _HOMES = {"Error": "_error", "options": "_library", "version": "_library", "Joints": "joints",
           "Mechanism": "mechanism", "Model": "model", "Run": "samples", "example": "mechanism",
-          "sweep": "sweep"}
+          "sweep": "variants"}
 __all__ = ["Error", "Joints", "Mechanism", "Model", "Run", "example", "options", "sweep", "version"]
 
 

@@ -108,6 +108,7 @@ def _declare(library: ct.CDLL) -> ct.CDLL:
         "kj_model_channels": [p] + text, "kj_model_shape": [p, TEXT, p, p, p],
         "kj_model_series": [p, TEXT, INT, numbers], "kj_model_unit": [p, TEXT] + text,
         "kj_model_about": [p, TEXT] + text, "kj_model_curve": [p, TEXT, INT, numbers],
+        "kj_rate_iso18571": [INT, numbers, numbers, p],
         "kj_model_write_history": [p, TEXT], "kj_model_body_count": [p, p],
         "kj_model_joint_count": [p, p], "kj_model_body_ids": [p, INT, p],
         "kj_model_joint_ids": [p, INT, p], "kj_model_body": [p, INT, p],
@@ -177,6 +178,16 @@ def options() -> dict[str, Option]:
     """
     rows = (line.split("\t") for line in text_of(LIB.kj_options_list).splitlines())
     return {name: Option(*columns) for name, *columns in rows}
+
+
+def iso18571(reference, curve):
+    """Rating of a curve against another after ISO/TS 18571, 1 = equal; evenly spaced samples of both."""
+    rating = REAL()
+    reference, curve = (np.ascontiguousarray(y, dtype=float) for y in (reference, curve))
+    status = LIB.kj_rate_iso18571(len(reference), reference, curve, ct.byref(rating))
+    if status:
+        raise Error("no rating", status)
+    return rating.value
 
 
 class Handle:

@@ -89,7 +89,7 @@ module kj_run_option
       run_option_t('joint',              A_TEXT,     0.0_wp,     'J=V',  'run check study', '', &
                    '', 'fields of single joints: ID.Kn=V, ID.SA+_rx=V, work units'), &
       run_option_t('threads',            AN_INTEGER, 1.0_wp,     'N',    'run study',       '1; command line: OMP_NUM_THREADS', &
-                   '', 'threads of a run, runs at a time of a study'), &
+                   '', 'threads of a run; runs at a time of study, sweep (all cores), fit'), &
       run_option_t('least_share',        AN_INTEGER, 1.0_wp,     'N',    'run',             '500', &
                    '', 'joints or bodies that a thread needs to be worth it'), &
       run_option_t('islands',            A_FLAG,     0.0_wp,     '',     'run',             '', &

@@ -1,13 +1,14 @@
-!> The C function that writes a history file, of a library with HDF5.
+!> The C functions that need src/files: history files, the rating of curves.
 module kjoint_c_h5
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_int
-   use kj_error, only: error_t, ERR_FILE
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_double, c_f_pointer, c_associated
+   use kj_error, only: error_t, ERR_FILE, ERR_INPUT
+   use kj_iso18571, only: iso18571_t, rate_iso18571
    use kj_sink_h5, only: sink_h5_t
-   use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, OF_MODEL
+   use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, OF_MODEL, OK
    implicit none
    private
 
-   public :: kj_model_write_history
+   public :: kj_model_write_history, kj_rate_iso18571
 
 contains
 
@@ -41,5 +42,25 @@ contains
       end if
       status = outcome(error, box%message)
    end function kj_model_write_history
+
+   !> See kjoint.h
+   integer(c_int) function kj_rate_iso18571(n, reference, curve, rating) bind(c) &
+      result(status)
+      integer(c_int), value :: n
+      type(c_ptr), value :: reference, curve, rating
+
+      real(c_double), pointer :: t(:), c(:), r
+      type(iso18571_t) :: found
+
+      status = ERR_INPUT
+      if (n < 0 .or. .not. (c_associated(reference) .and. c_associated(curve) .and. &
+         c_associated(rating))) return
+      call c_f_pointer(reference, t, [n])
+      call c_f_pointer(curve, c, [n])
+      call c_f_pointer(rating, r)
+      call rate_iso18571(t, c, found)
+      r = found%overall
+      status = OK
+   end function kj_rate_iso18571
 
 end module kjoint_c_h5

@@ -8,7 +8,7 @@ module kj_cli
    use kj_new_command, only: new_command
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
       CMD_CONVERT, CMD_EXPORT, CMD_PLOT, CMD_ANIMATE, CMD_REPORT, CMD_INFO, CMD_STUDY, &
-      CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, OPT_JSON
+      CMD_SWEEP, CMD_FIT, CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, OPT_JSON
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -16,6 +16,7 @@ module kj_cli
    use kj_run_command, only: run_command
    use kj_check_command, only: check_command
    use kj_study_command, only: study_command
+   use kj_sweep_command, only: sweep_command
    use kj_extract_command, only: extract_command
    use kj_diff_command, only: diff_command, convert_command
    use kj_export_command, only: export_command
@@ -51,6 +52,10 @@ contains
             call extract_command(args, code)
          case (CMD_STUDY)
             call study_command(args, code)
+         case (CMD_SWEEP)
+            call sweep_command(args, 'variants', '_sweep.h5', code, error)
+         case (CMD_FIT)
+            call sweep_command(args, 'fit', '', code, error)
          case (CMD_DIFF)
             call diff_command(args, code, error)
          case (CMD_CONVERT)

@@ -16,10 +16,10 @@ module kj_option
    public :: command_t, option_t, word_t, arguments_t, parse_arguments, option, has_option, &
       option_real, option_list, did_you_mean
 
-   integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_DIFF = 4, &
-      CMD_CONVERT = 5, CMD_EXPORT = 6, CMD_PLOT = 7, CMD_ANIMATE = 8, CMD_REPORT = 9, &
-      CMD_INFO = 10, CMD_LIST = 11, CMD_WATCH = 12, CMD_RECOVER = 13, CMD_EXTRACT = 14, &
-      CMD_NEW = 15, CMD_HELP = 16, CMD_VERSION = 17
+   integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_SWEEP = 4, &
+      CMD_FIT = 5, CMD_DIFF = 6, CMD_CONVERT = 7, CMD_EXPORT = 8, CMD_PLOT = 9, &
+      CMD_ANIMATE = 10, CMD_REPORT = 11, CMD_INFO = 12, CMD_LIST = 13, CMD_WATCH = 14, &
+      CMD_RECOVER = 15, CMD_EXTRACT = 16, CMD_NEW = 17, CMD_HELP = 18, CMD_VERSION = 19
 
    integer, parameter :: MANY = huge(1)         !! operands
 
@@ -40,6 +40,10 @@ module kj_option
                 'read and check decks, and say what their scenes are like'), &
       command_t(CMD_STUDY,   'study',     'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
                 'run a deck in many settings: what accuracy costs, which to take'), &
+      command_t(CMD_SWEEP,   'sweep',     'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
+                'run many variants of a deck on all cores: a table of measures'), &
+      command_t(CMD_FIT,     'fit',       'DECK_0000.rad [DECK_0001.rad]',      0, 2, &
+                'the values of parameters of a deck that meet a target'), &
       command_t(CMD_DIFF,    'diff',      'REF RUN',                            2, 2, &
                 'compare two histories, each a kjoint .h5 or a Radioss T01'), &
       command_t(CMD_CONVERT, 'convert',   'T01',                                1, 1, &
@@ -76,7 +80,10 @@ module kj_option
       OPT_SEPARATOR = 21, OPT_DECIMAL = 22, OPT_TFILE = 23, OPT_CHANNELS = 24, &
       OPT_CHECKPOINT = 25, OPT_CHECKPOINT_EVERY = 26, OPT_RESTART = 27, OPT_NEW_FILE = 28, &
       OPT_LISTING = 29, OPT_LIVE = 30, OPT_UNITS = 31, OPT_COLOUR = 32, OPT_AT = 33, &
-      OPT_SECONDS = 34, OPT_PLOT = 35, OPT_WERROR = 36
+      OPT_SECONDS = 34, OPT_PLOT = 35, OPT_WERROR = 36, OPT_VARY = 37, OPT_TABLE = 38, &
+      OPT_MEASURE = 39, OPT_DRAWS = 40, OPT_RANDOM = 41, OPT_LHS = 42, OPT_SOBOL = 43, &
+      OPT_SEED = 44, OPT_EVERY = 45, OPT_KEEP = 46, OPT_RESUME = 47, OPT_TARGET = 48, &
+      OPT_STARTS = 49
 
    !> One option of one command or more
    type :: option_t
@@ -84,21 +91,22 @@ module kj_option
       character(len=2)  :: short           !! '-o' or ''
       character(len=20) :: name            !! '--output'
       character(len=8)  :: value           !! what stands for its value in the help, '' = takes none
-      character(len=60) :: commands        !! names of the commands that take it
+      character(len=70) :: commands        !! names of the commands that take it
       character(len=150) :: meaning
    end type option_t
 
    type(option_t), parameter :: own_options(*) = [ &
       !        id                short name                   value     commands
-      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE',   'run convert export study extract plot animate report', &
+      option_t(OPT_OUTPUT,       '-o', '--output',            'FILE', &
+               'run convert export study sweep fit extract plot animate report', &
                'file to write; default: named as what is read, here; export: stdout'), &
-      option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check study', &
+      option_t(OPT_INPUT,        '-i', '--input',             'DECK',   'run check study sweep fit', &
                'the starter deck, as Radioss users type it'), &
       option_t(OPT_LEGACY,       '',   '--legacy',            '',       'run check', &
                'the scheme of Radioss, cycle by cycle: legacy, legacy, nodal'), &
-      option_t(OPT_REPRODUCIBLE, '',   '--reproducible',      '',       'run', &
-               'no dates or host in the history: equal runs are equal bytes'), &
-      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study extract', &
+      option_t(OPT_REPRODUCIBLE, '',   '--reproducible',      '',       'run sweep', &
+               'no dates or host in the file: equal runs are equal bytes'), &
+      option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study sweep fit extract', &
                'errors and warnings only'), &
       option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check extract', &
                'notes with their cards, a line every /PRINT cycles instead of every 10 s'), &
@@ -161,7 +169,38 @@ module kj_option
       option_t(OPT_PLOT,         '',   '--plot',              'FILE',   'diff', &
                'draw the channels that differ most'), &
       option_t(OPT_WERROR,       '',   '--werror',            '',       'check', &
-               'warnings count as errors')]
+               'warnings count as errors'), &
+      option_t(OPT_VARY,         '',   '--vary',              'N=SPEC', 'sweep fit', &
+               'a parameter and its values: a:b:n[:log], v1,v2,..., '// &
+               'normal(mean,sd), uniform(a,b); of fit: a:b or a:b:start'), &
+      option_t(OPT_TABLE,        '',   '--table',             'FILE',   'sweep', &
+               'csv with a column a parameter and a row a variant, instead of --vary'), &
+      option_t(OPT_MEASURE,      '',   '--measure',           'M',      'sweep fit', &
+               'CHANNEL:max, min, mean, rms, range, final, tmax, tmin, at(t), '// &
+               'rmse(REF.h5) or iso18571(REF.h5)'), &
+      option_t(OPT_DRAWS,        '',   '--sample',            'N',      'sweep', &
+               'so many draws of the parameters, instead of all combinations'), &
+      option_t(OPT_RANDOM,       '',   '--random',            '',       'sweep', &
+               'draws that know nothing of each other: the default'), &
+      option_t(OPT_LHS,          '',   '--lhs',               '',       'sweep', &
+               'draws by a Latin hypercube: one in each Nth of each parameter'), &
+      option_t(OPT_SOBOL,        '',   '--sobol',             '',       'sweep', &
+               'draws by the sequence of Sobol, best a power of 2 of them'), &
+      option_t(OPT_SEED,         '',   '--seed',              'N',      'sweep fit', &
+               'of the draws; default 0'), &
+      option_t(OPT_EVERY,        '',   '--every',             'DT',     'sweep', &
+               'interval of the samples that measures see, time; default: that of /TFILE'), &
+      option_t(OPT_KEEP,         '',   '--keep',              'LIST',   'sweep', &
+               'histories of these variants in FILE.runs: all, or numbers such as 1,20:30'), &
+      option_t(OPT_RESUME,       '',   '--resume',            '',       'sweep', &
+               'go on with a sweep that was stopped or killed'), &
+      option_t(OPT_TARGET,       '',   '--target',            'T',      'fit', &
+               'of a measure, in their order: a value, or REF.h5 whose curve CHANNEL follows'), &
+      option_t(OPT_STARTS,       '',   '--starts',            'N',      'fit', &
+               'places to begin from: the middle, then draws; the best fit counts; default 1')]
+
+   !> Options that may be given more than once, with a line end between their values
+   integer, parameter :: REPEATED(*) = [OPT_VARY, OPT_MEASURE, OPT_TARGET]
 
    integer, parameter, public :: FIRST_RUN = size(own_options)     !! before the run options
    integer, parameter, public :: N_OPTION = FIRST_RUN + size(run_options)
@@ -191,6 +230,8 @@ contains
       associate (r => run_options(row - FIRST_RUN))
          o = option_t(row, '', '--'//r%name, r%value, r%commands, &
             describe_run_option(row - FIRST_RUN))
+         if (index(r%commands, 'run') > 0) o%commands = trim(r%commands)//' fit sweep'
+         if (r%name == 'sample') o%commands = trim(r%commands)//' fit'    ! of sweep: --every
       end associate
       do i = 1, len(o%name)
          if (o%name(i:i) == '_') o%name(i:i) = '-'
@@ -288,8 +329,7 @@ contains
       type(arguments_t), intent(inout) :: args
       type(error_t), allocatable, intent(out) :: error
 
-      character(len=:), allocatable :: name
-      character(len=:), allocatable :: before
+      character(len=:), allocatable :: name, before
       type(option_t) :: o
       integer :: equals
 
@@ -300,8 +340,8 @@ contains
       if (allocated(error)) return
       before = ''
       if (args%given(o%id)) then
-         before = args%value(o%id)%s//','
-         if (.not. is_list(o)) call fail(error, ERR_INPUT, name//' is given twice')
+         before = args%value(o%id)%s//glue(o)
+         if (glue(o) == ' ') call fail(error, ERR_INPUT, name//' is given twice')
          if (allocated(error)) return
       end if
       args%given(o%id) = .true.
@@ -322,13 +362,15 @@ contains
       args%value(o%id)%s = before//args%value(o%id)%s
    end subroutine take_option
 
-   !> Values of an option that is given again join those before
-   pure logical function is_list(o)
+   !> What joins the values of an option that is given again; a blank where that is wrong
+   pure character function glue(o)
       type(option_t), intent(in) :: o
 
-      is_list = o%id > FIRST_RUN
-      if (is_list) is_list = run_options(o%id - FIRST_RUN)%kind == A_TEXT
-   end function is_list
+      glue = ' '
+      if (any(o%id == REPEATED)) glue = new_line('')
+      if (o%id <= FIRST_RUN) return
+      if (run_options(o%id - FIRST_RUN)%kind == A_TEXT) glue = ','
+   end function glue
 
    !> An option that a command takes; two commands may have options of the same name
    subroutine find_option(name, command, o, error)

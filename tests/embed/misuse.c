@@ -250,6 +250,7 @@ static void model_level(const char *deck) {
 
   NULLS(kj_model_run(NULL, NULL, NULL));
   NULLS(kj_options_list(NULL, 0));
+  NULLS(kj_rate_iso18571(9, NULL, v, v));
   NULLS(kj_joint_type(2, text, sizeof text, NULL));
   NULLS(kj_joint_type(99, text, sizeof text, ids));
   NULLS(kj_model_options(NULL, text, sizeof text));

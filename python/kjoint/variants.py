@@ -1,0 +1,561 @@
+"""Many variants of a deck at once: parameters in, a table of measures out.
+
+    kjoint sweep DECK_0000.rad --vary length=0.1:0.2:5 --measure 'joint/force[pin].norm:max'
+
+The parameters are those of /PARAMETER in the deck. sweep() does the same from Python. Variants are
+done in blocks, which threads, ranks and machines claim by locks of files (class Store), so what is
+done stays done, whoever dies.
+"""
+import argparse
+import contextlib
+import csv
+import datetime
+import fcntl
+import hashlib
+import itertools
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import sys
+import tempfile
+import threading
+import time
+import uuid
+
+import numpy as np
+
+from ._error import Error
+from ._library import iso18571, version
+from .model import Model
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+FUNCTIONS = "max, min, mean, rms, range, final, tmax, tmin, at(t), rmse(REF.h5), iso18571(REF.h5)"
+SIMPLE = ("max", "min", "mean", "rms", "range", "final", "tmax", "tmin")
+COMPARED = ("rmse", "iso18571")
+
+
+class Grid:
+    """Values of a parameter, one after the other."""
+
+    def __init__(self, values):
+        self.values = np.atleast_1d(np.asarray(values, dtype=float))
+
+
+class Spread:
+    """A parameter that is drawn: from the share of a distribution to its value."""
+
+    def __init__(self, kind, a, b):
+        self.kind, self.a, self.b = kind, a, b
+        if kind == "uniform" and not a < b:
+            raise ValueError(f"uniform({a:g},{b:g}): the first is not below the second")
+        if kind == "normal" and not b > 0:
+            raise ValueError(f"normal({a:g},{b:g}): the deviation is not above 0")
+
+    def at(self, share):
+        """Values at shares between 0 and 1."""
+        if self.kind == "uniform":
+            return self.a + (self.b - self.a)*share
+        from statistics import NormalDist
+        normal = NormalDist(self.a, self.b)
+        return np.array([normal.inv_cdf(min(max(s, 1e-12), 1 - 1e-12)) for s in share])
+
+
+def parse_vary(text):
+    """a:b:n, a:b:n:log, v1,v2,..., normal(mean,sd) or uniform(a,b).
+
+    >>> parse_vary("1:3:3").values
+    array([1., 2., 3.])
+    >>> parse_vary("1:100:3:log").values
+    array([  1.,  10., 100.])
+    """
+    drawn = re.fullmatch(rf"(normal|uniform)\(({NUMBER}),({NUMBER})\)", text.replace(" ", ""))
+    if drawn:
+        return Spread(drawn[1], float(drawn[2]), float(drawn[3]))
+    grid = re.fullmatch(rf"({NUMBER}):({NUMBER}):(\d+)(:log)?", text)
+    if grid:
+        a, b, n = float(grid[1]), float(grid[2]), int(grid[3])
+        if n < 1 or (grid[4] and min(a, b) <= 0):
+            raise ValueError(f"{text}: at least one value, and logarithms of positive ones")
+        return Grid(np.geomspace(a, b, n) if grid[4] else np.linspace(a, b, n))
+    try:
+        return Grid([float(word) for word in text.split(",")])
+    except ValueError:
+        raise ValueError(f"{text!r} is none of a:b:n, a:b:n:log, v1,v2, normal(m,s), "
+                         "uniform(a,b)") from None
+
+
+def plan(vary, sample=None, method="random", seed=0):
+    """Names and values (variants, names): all combinations of grids, or so many draws."""
+    names = list(vary)
+    made = [value if isinstance(value, (Grid, Spread)) else parse_vary(value)
+            if isinstance(value, str) else Grid(value) for value in vary.values()]
+    drawn = [isinstance(value, Spread) for value in made]
+    if not sample:
+        if any(drawn):
+            raise ValueError(f"{names[drawn.index(True)]} is drawn: how many variants (--sample N)?")
+        rows = list(itertools.product(*(value.values for value in made)))
+        return names, np.array(rows, dtype=float).reshape(len(rows), len(names))
+    if method == "random":
+        shares = np.random.default_rng(seed).random((sample, len(names)))
+    else:
+        from scipy.stats import qmc
+        if method == "lhs":
+            shares = qmc.LatinHypercube(d=len(names), seed=seed).random(sample)
+        else:
+            shares = qmc.Sobol(d=len(names), seed=seed).random(sample)
+    columns = [value.at(share) if isinstance(value, Spread)
+               else value.values[np.minimum((share*len(value.values)).astype(int), len(value.values) - 1)]
+               for value, share in zip(made, shares.T)]
+    return names, np.column_stack(columns) if columns else np.empty((sample, 0))
+
+
+class Measure:
+    """CHANNEL:FUNCTION, such as joint/force[pin].norm:max."""
+
+    def __init__(self, text):
+        self.text = text
+        channel, colon, function = text.rpartition(":")
+        match = re.fullmatch(r"(\w+)(?:\((.*)\))?", function)
+        if not colon or not match or match[1] not in SIMPLE + COMPARED + ("at",):
+            raise ValueError(f"{text!r} is no CHANNEL:FUNCTION; functions: {FUNCTIONS}")
+        self.channel, self.function, self.argument = channel, match[1], match[2]
+        if (self.function in SIMPLE) != (self.argument is None):
+            raise ValueError(f"{text!r}: at(t), rmse(REF.h5) and iso18571(REF.h5) have an argument, no other has")
+        self.reference = None
+        if self.function == "at":
+            self.argument = float(self.argument)
+        if self.function in COMPARED:
+            self.reference = read_reference(self.argument, channel)
+
+    def of(self, time, y):
+        """The measure of a curve."""
+        simple = {"max": np.max, "min": np.min, "mean": np.mean, "range": np.ptp,
+                  "rms": lambda v: np.sqrt(np.mean(v*v)), "final": lambda v: v[-1],
+                  "tmax": lambda v: time[np.argmax(v)], "tmin": lambda v: time[np.argmin(v)]}
+        if self.function in simple:
+            return float(simple[self.function](y))
+        if self.function == "at":
+            if not time[0] <= self.argument <= time[-1]:
+                return float("nan")
+            return float(np.interp(self.argument, time, y))
+        found, wanted = self.beside(time, y)
+        if self.function == "iso18571":
+            return iso18571(wanted, found)
+        return float(np.sqrt(np.mean((found - wanted)**2)))
+
+    def beside(self, time, y):
+        """A curve at the times of the reference, and the reference, as far as both go."""
+        at, wanted = self.reference
+        inside = (at >= time[0]) & (at <= time[-1])
+        return np.interp(at[inside], time, y), wanted[inside]
+
+    def unit(self, model):
+        """Unit of the measure, as histories name it; 1 for a rating."""
+        if self.function == "iso18571":
+            return "1"
+        return model.unit("time" if self.function in ("tmax", "tmin") else re.split(r"[\[.]", self.channel)[0])
+
+
+def read_reference(path, channel):
+    """Times and values of one curve of a history or a T01."""
+    from ._show import export
+    try:
+        table = export(path, [channel])
+    except SystemExit:
+        raise ValueError(f"{path} gives no curve {channel}") from None
+    if len(table["series"]) != 1:
+        raise ValueError(f"{channel} of {path} is {len(table['series'])} curves, not one")
+    return np.asarray(table["time"]["values"], float), np.asarray(table["series"][0]["values"], float)
+
+
+def settings(names, values, also=None):
+    """The option `set` of a variant."""
+    words = (f"{name}={float(value)!r}".removesuffix(".0") for name, value in zip(names, values))
+    return ",".join(filter(None, (also, *words))) or None
+
+
+class Plan:
+    """What a sweep is: the same on each rank, and when it is resumed."""
+
+    def __init__(self, deck, engine, options, names, values, measures, keep=()):
+        self.deck, self.engine, self.options = str(deck), engine and str(engine), options
+        self.names, self.values, self.measures, self.keep = names, values, measures, keep
+        self.head = ["variant", *names, *(m.text for m in measures), "cycles", "status"]
+        digest = hashlib.sha256(json.dumps([self.head, sorted(options.items()), self.deck, self.engine], default=str).encode())
+        digest.update(np.ascontiguousarray(values).tobytes())
+        for path in filter(None, (self.deck, self.engine)):
+            digest.update(pathlib.Path(path).read_bytes())
+        self.digest = digest.hexdigest()
+        self.block = max(1, min(64, len(values)//64))      # variants that a thread takes at a time
+
+    def units(self):
+        """Units of the measures. Raises Error when the deck cannot be read, has no such parameter or curve."""
+        try:
+            model = Model(self.deck, self.engine, **{**self.options, "set": settings(
+                self.names, self.values[0] if len(self.values) else (), self.options.get("set"))})
+        except Error as error:
+            if "KJ-9407" in str(error):                    # no such parameter
+                raise
+            model = Model(self.deck, self.engine, **self.options)
+        model.start().sample()
+        for m in self.measures:
+            model.curve(m.channel)
+        return [m.unit(model) for m in self.measures]
+
+    def run(self, k, stopped, folder):
+        """Row of variant k from 0: measures, cycles, and what went wrong, else ''."""
+        try:
+            model = Model(self.deck, self.engine, **{**self.options, "set": settings(
+                self.names, self.values[k], self.options.get("set"))})
+            model.run(watch=lambda status: stopped.is_set())
+            found = [m.of(model["time"], model.curve(m.channel)) for m in self.measures]
+            if k in self.keep:
+                model.write_history(folder / f"variant_{k + 1:05d}.h5")
+            return [*found, model.status.cycle, ""]
+        except Error as error:
+            return [*[float("nan")]*len(self.measures), 0, str(error).splitlines()[0]]
+
+
+def job():
+    """What the ranks of one start have in common, or a name of its own."""
+    at = os.environ.get
+    return at("PMIX_NAMESPACE") or (at("SLURM_PROCID") and f"{at('SLURM_JOB_ID')}.{at('SLURM_STEP_ID')}") or uuid.uuid4().hex
+
+
+def rank():
+    """Rank of this process, 0 where there is but one, and how many share its machine."""
+    at = os.environ.get
+    return (int(at("OMPI_COMM_WORLD_RANK") or at("PMIX_RANK") or at("SLURM_PROCID") or 0),
+            int(at("OMPI_COMM_WORLD_LOCAL_SIZE") or (at("SLURM_PROCID") and at("SLURM_NTASKS_PER_NODE")) or 1))
+
+
+class Store:
+    """The rows of a sweep in a folder, a file a block of variants.
+
+    Who works on a block holds a lock on its file; the system takes the lock from who dies. So
+    threads, ranks and machines with a common folder share a sweep, nothing is lost but the row
+    under way, and a sweep that was killed goes on from its files.
+    """
+
+    def __init__(self, folder, plan, resume):
+        self.folder, self.plan = pathlib.Path(folder), plan
+        self.n_block = -(-len(plan.values)//plan.block)
+        self.rows, self.lock = {}, threading.Lock()
+        self.folder.mkdir(parents=True, exist_ok=True)
+        me, note = job(), self.folder / "plan.json"
+        with open(self.folder / "gate", "a") as gate:
+            fcntl.flock(gate, fcntl.LOCK_EX)               # who comes in decides alone
+            self.inside = open(self.folder / "inside", "a")
+            alone = try_lock(self.inside)
+            there = json.loads(note.read_text()) if note.exists() else {}
+            if there and (resume or there["job"] == me):
+                if there["digest"] != plan.digest:
+                    raise ValueError(f"{folder} is of another sweep: deck, options, variants or measures differ")
+            elif not alone:
+                raise ValueError(f"another sweep writes to {folder}; --resume joins it")
+            else:
+                for path in self.folder.glob("*.csv"):
+                    path.unlink()
+            if alone:
+                note.write_text(json.dumps({"job": me, "digest": plan.digest}))
+            fcntl.flock(self.inside, fcntl.LOCK_SH)
+
+    def work(self, stopped, told, histories):
+        """Do blocks until all are done, by whoever."""
+        while not stopped.is_set():
+            busy = False
+            for b in range(self.n_block):
+                if stopped.is_set():
+                    return
+                if self.is_done(b):
+                    continue
+                with open(self.folder / f"{b:06d}.csv", "a+", newline="", encoding="utf-8") as file:
+                    if try_lock(file):
+                        self.work_on(b, file, stopped, told, histories)
+                    else:
+                        busy = True
+            if not busy:
+                return
+            stopped.wait(0.05)
+
+    def variants(self, b):
+        return range(b*self.plan.block, min((b + 1)*self.plan.block, len(self.plan.values)))
+
+    def is_done(self, b):
+        return all(k in self.rows for k in self.variants(b))
+
+    def work_on(self, b, file, stopped, told, histories):
+        """The rows of a block that are there, and those that are missing."""
+        file.seek(0)
+        text = file.read()
+        whole = text[:text.rfind("\n") + 1]                # a kill may have cut the last row
+        if len(whole) < len(text):
+            file.truncate(len(whole.encode()))
+        for row in csv.reader(whole.splitlines()):
+            self.take(int(row[0]) - 1, [*map(float, row[1:-2]), int(row[-2]), row[-1]])
+        writer = csv.writer(file, lineterminator="\n")
+        for k in self.variants(b):
+            if k in self.rows:
+                continue
+            row = self.plan.run(k, stopped, histories)
+            if stopped.is_set():                           # it may have been cut short
+                return
+            writer.writerow([k + 1, *map(repr, row[:-1]), row[-1]])
+            file.flush()
+            self.take(k, row)
+            if told:
+                told(len(self.rows), len(self.plan.values))
+
+    def take(self, k, row):
+        with self.lock:
+            self.rows[k] = row
+
+    def close(self, finish=None):
+        """Leave; the first of those that have all rows calls finish, the last takes the folder away."""
+        with open(self.folder / "gate", "a") as gate:
+            fcntl.flock(gate, fcntl.LOCK_EX)
+            if finish and not (self.folder / "written").exists():
+                finish()
+                (self.folder / "written").touch()
+            if finish and try_lock(self.inside):
+                shutil.rmtree(self.folder)
+            self.inside.close()
+
+
+def try_lock(file):
+    """Lock an open file, unless another has it."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def sweep(deck, vary=None, measure=(), *, table=None, draws=None, method="random", seed=0, engine=None,
+          workers=None, output=None, keep=(), resume=False, reproducible=False, told=None, **options):
+    """Run the variants of a deck; gives an xarray.Dataset over `variant`.
+
+    vary: {name: values or a text as on the command line}; table: {name: one value a variant}.
+    measure: texts "CHANNEL:FUNCTION". draws, method (random, lhs, sobol), seed: so many draws
+    instead of all combinations. workers: variants at a time, default: all cores. output: a file
+    SWEEP.h5, with a SWEEP.csv beside it, or a .csv alone; rows are kept in OUTPUT.rows until it is
+    written. keep: numbers of variants, from 1, whose histories go to OUTPUT.runs. resume: go on
+    with what OUTPUT.rows holds, or join who works on it. told(n_done, n_all): after each variant.
+    Options: those of Model, such as until, and sample, the interval of what measures see.
+
+    Raises Error when the deck cannot be read, ValueError for what cannot be swept. A variant that
+    fails has NaN as its measures, and why in `status`.
+    """
+    import xarray as xr
+    measures = [Measure(text) for text in measure]
+    if table is not None:
+        names = list(table)
+        values = np.column_stack([np.asarray(table[name], float) for name in names])
+    else:
+        names, values = plan(vary or {}, draws, method, seed)
+    if keep and not output:
+        raise ValueError("histories are kept beside an output: name it")
+    work = Plan(deck, engine, options, names, values, measures, {k - 1 for k in keep})
+    units = work.units()
+    histories = output and pathlib.Path(f"{output}.runs")
+    if keep:
+        histories.mkdir(parents=True, exist_ok=True)
+
+    def finish():
+        data = {name: ("variant", values[:, i]) for i, name in enumerate(names)}
+        for i, (m, unit) in enumerate(zip(measures, units)):
+            data[m.text] = ("variant", np.array([rows[k][i] for k in range(n)]),
+                            {"channel": m.channel, "function": m.text.rpartition(":")[2], "units": unit})
+        data["cycles"] = ("variant", np.array([rows[k][-2] for k in range(n)]), {"units": "1"})
+        data["status"] = ("variant", np.array([rows[k][-1] for k in range(n)], dtype=object))
+        about = {"title": "variants of a deck", "deck": str(deck), "kjoint_version": version()}
+        if not reproducible:
+            about.update(date=datetime.datetime.now().astimezone().isoformat(timespec="seconds"), host=socket.gethostname())
+        made.append(xr.Dataset(data, {"variant": np.arange(1, n + 1)}, about))
+
+    def finish_file():
+        finish()
+        if output:
+            write(made[0], output)
+
+    n, made = len(values), []
+    with contextlib.ExitStack() as stack:
+        folder = f"{output}.rows" if output else stack.enter_context(tempfile.TemporaryDirectory()) + "/rows"
+        store = Store(folder, work, resume)
+        rows = store.rows
+        try:
+            work_in_threads(store, workers or default_workers(), told, histories)
+        except BaseException:
+            store.close()
+            raise
+        store.close(finish_file)
+        if not made:
+            finish()
+    return made[0]
+
+
+def default_workers():
+    return max(1, len(os.sched_getaffinity(0))//rank()[1])
+
+
+def work_in_threads(store, workers, told, histories):
+    """Threads that do blocks; Ctrl-C and what one raises end all of them, within a row."""
+    stopped, raised = threading.Event(), []
+
+    def work():
+        try:
+            store.work(stopped, told, histories)
+        except BaseException as error:
+            raised.append(error)
+            stopped.set()
+
+    threads = [threading.Thread(target=work) for _ in range(min(workers, max(1, store.n_block)))]
+    for thread in threads:
+        thread.start()
+    try:
+        for thread in threads:
+            while thread.is_alive():
+                thread.join(0.5)
+    finally:
+        stopped.set()
+        for thread in threads:
+            thread.join()
+    if raised:
+        raise raised[0]
+
+
+def write(table, path):
+    """A CSV, or an HDF5 (netCDF) file and a CSV beside it, by the end of the name."""
+    path = pathlib.Path(path)
+    if path.suffix != ".csv":
+        new = path.with_name(path.name + ".new")
+        safe = table.rename({name: name.replace("/", "|") for name in table.data_vars if "/" in name})
+        safe["status"] = safe["status"].astype(str)
+        safe.to_netcdf(new, engine="h5netcdf")
+        os.replace(new, path)
+        path = path.with_suffix(".csv")
+    new = path.with_name(path.name + ".new")
+    table.to_dataframe().to_csv(new)
+    os.replace(new, path)
+
+
+def read_table(path):
+    """Columns of a CSV file of parameters."""
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    if not rows:
+        raise ValueError(f"{path} has no rows")
+    try:
+        return {name: [float(row[name]) for row in rows] for name in rows[0]}
+    except TypeError:
+        raise ValueError(f"{path}: a row has fewer columns than the first line") from None
+
+
+def parse_numbers(text, n):
+    """Numbers of variants: all, or such as 1,20:30."""
+    if text == "all":
+        return range(1, n + 1)
+    if not re.fullmatch(r"\d+(:\d+)?(,\d+(:\d+)?)*", text):
+        raise ValueError(f"--keep {text}: all, or numbers such as 1,20:30")
+    chosen = []
+    for word in text.split(","):
+        first, _, last = word.partition(":")
+        chosen += range(int(first), int(last or first) + 1)
+    return chosen
+
+
+def run_options(words):
+    """Options of a run from NAME=VALUE; a name may have - for _."""
+    return {name.replace("-", "_"): value for name, _, value in (word.partition("=") for word in words)}
+
+
+def parse_varied(words):
+    """NAME=SPEC, each once."""
+    pairs = [word.partition("=")[::2] for word in words]
+    for name, spec in pairs:
+        if not name or not spec or sum(name == other for other, _ in pairs) > 1:
+            raise ValueError(f"--vary {name}={spec}: NAME=SPEC, each name once")
+    return dict(pairs)
+
+
+def main(words=None):
+    """The command line, as `kjoint sweep` hands it over."""
+    parser = argparse.ArgumentParser(prog="kjoint sweep", description="run variants of a deck")
+    parser.add_argument("deck")
+    parser.add_argument("engine", nargs="?")
+    parser.add_argument("--vary", action="append", default=[])
+    parser.add_argument("--table")
+    parser.add_argument("--measure", action="append", default=[])
+    parser.add_argument("--sample", type=int)
+    for kind in ("random", "lhs", "sobol"):
+        parser.add_argument(f"--{kind}", action="store_true")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--every")
+    parser.add_argument("--output", required=True)
+    parser.add_argument("--keep")
+    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--reproducible", action="store_true")
+    parser.add_argument("--quiet", action="store_true")
+    parser.add_argument("--run", action="append", default=[], metavar="NAME=VALUE", help="options of each run")
+    args = parser.parse_args(words)
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    first = rank()[0] == 0
+    began = time.monotonic()
+
+    def told(done, of):
+        if first and not args.quiet and sys.stderr.isatty():
+            print(f"\r{done} of {of} variants", end="" if done < of else "\n", file=sys.stderr, flush=True)
+
+    try:
+        if not args.measure:
+            raise ValueError("nothing is measured: --measure CHANNEL:FUNCTION")
+        if bool(args.vary) == bool(args.table):
+            raise ValueError("what is varied: --vary NAME=SPEC, or --table FILE.csv")
+        methods = [kind for kind in ("random", "lhs", "sobol") if getattr(args, kind)]
+        if len(methods) > 1 or (methods or args.sample is not None) and args.table or methods and not args.sample:
+            raise ValueError("--sample N with one of --random, --lhs, --sobol, and --vary")
+        if args.sample is not None and args.sample < 1:
+            raise ValueError("--sample is at least 1")
+        options = run_options(args.run)
+        workers = options.pop("threads", None)
+        if args.every:
+            options["sample"] = args.every
+        table = read_table(args.table) if args.table else dict(zip(*_columns(plan(
+            parse_varied(args.vary), args.sample, methods[0] if methods else "random", args.seed))))
+        n = len(next(iter(table.values())))
+        result = sweep(args.deck, None, args.measure, table=table, engine=args.engine,
+                       workers=workers and int(workers), output=args.output, resume=args.resume, told=told,
+                       keep=parse_numbers(args.keep, n) if args.keep else (), reproducible=args.reproducible, **options)
+    except (ValueError, TypeError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except (Error, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return getattr(error, "status", 3)
+    except KeyboardInterrupt:
+        print(f"stopped; --resume goes on from {args.output}.rows", file=sys.stderr)
+        return 130
+    failed = [text for text in result["status"].values if text]
+    if first and not args.quiet:
+        for text in args.measure:
+            y = result[text].values
+            fine = y[np.isfinite(y)]
+            if len(fine):
+                print(f"{text:40}  {fine.min():.6g} to {fine.max():.6g}, mean {fine.mean():.6g}, "
+                      f"deviation {fine.std():.3g}  {result[text].attrs['units']}")
+        print(f"{n} variants, {len(failed)} failed, {time.monotonic() - began:.1f} s: {args.output}")
+    if first and failed:
+        print(f"warning: {len(failed)} of {n} variants failed, such as: {failed[0]}", file=sys.stderr)
+    return 1 if len(failed) == n else 0
+
+
+def _columns(planned):
+    return planned[0], planned[1].T
+
+
+if __name__ == "__main__":
+    sys.exit(main())
