@@ -10,6 +10,7 @@ import threading
 from typing import Any, Iterator, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from ._error import Error
 
@@ -180,11 +181,11 @@ def options() -> dict[str, Option]:
     return {name: Option(*columns) for name, *columns in rows}
 
 
-def iso18571(reference, curve):
+def iso18571(reference: npt.ArrayLike, curve: npt.ArrayLike) -> float:
     """Rating of a curve against another after ISO/TS 18571, 1 = equal; evenly spaced samples of both."""
     rating = REAL()
-    reference, curve = (np.ascontiguousarray(y, dtype=float) for y in (reference, curve))
-    status = LIB.kj_rate_iso18571(len(reference), reference, curve, ct.byref(rating))
+    both = [np.ascontiguousarray(y, dtype=float) for y in (reference, curve)]
+    status = LIB.kj_rate_iso18571(len(both[0]), *both, ct.byref(rating))
     if status:
         raise Error("no rating", status)
     return rating.value

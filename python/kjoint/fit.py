@@ -5,45 +5,52 @@
 Least squares within bounds (scipy.optimize.least_squares) over runs of the deck. A target is a value
 of a measure, or a history whose curve is to be followed; each counts as its relative deviation.
 """
+from __future__ import annotations
+
 import argparse
 import concurrent.futures
 import dataclasses
 import json
 import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from ._error import Error
 from .model import Model
-from .variants import Measure, default_workers, parse_varied, read_reference, run_options, settings
+from .samples import Path
+from .variants import Array, Measure, default_workers, parse_varied, read_reference, run_options, settings
 
 LARGE = 1e3                                       # deviation of a run that fails
-STEP = 5e-3                                       # of a parameter over its range, for slopes
+NEAR = 1e-3                                       # a bound, over the range
+STEP = 1e-4                                       # of a parameter over its range, for slopes
 
 
 class Target:
     """A value that a measure is to have, or a curve that a channel is to follow."""
 
-    def __init__(self, measure, target):
-        self.text, self.target, self.measure = measure, target, None
+    def __init__(self, measure: str, target: str | float) -> None:
+        self.text, self.target = measure, target
+        self.measure: Measure | None = None
         try:
             self.value = float(target)
         except ValueError:                        # a history
-            self.at, self.wanted = read_reference(target, measure)
+            self.at, self.wanted = read_reference(str(target), measure)
             self.size = float(np.sqrt(np.mean(self.wanted**2))) or 1.0
         else:
             self.measure = Measure(measure)
 
-    def deviations(self, model):
+    def deviations(self, model: Model) -> list[float]:
         """Relative deviations of a run: one, or one a sample, whose squares sum up to rmse^2 over mean square."""
         if self.measure:
             return [(self.found(model) - self.value)/(abs(self.value) or 1.0)]
         return list((self.curve(model) - self.wanted)/(self.size*np.sqrt(len(self.wanted))))
 
-    def curve(self, model):
+    def curve(self, model: Model) -> Array:
         return np.interp(self.at, model["time"], model.curve(self.text))
 
-    def found(self, model):
+    def found(self, model: Model) -> float:
         """The measure, or the rms of what lies between the curves."""
         if self.measure:
             return self.measure.of(model["time"], model.curve(self.measure.channel))
@@ -54,15 +61,16 @@ class Target:
 class Fit:
     """What was found: values and standard deviations by name, targets as (text, wanted, found)."""
 
-    values: dict
-    deviations: dict
-    at_bound: list
-    targets: list
+    values: dict[str, float]
+    deviations: dict[str, float]
+    at_bound: list[str]
+    targets: list[tuple[str, str | float, float]]
     misfit: float
     runs: int
     message: str
 
-    def report(self):
+    def report(self) -> str:
+        """The result as lines to read."""
         lines = [f"{'parameter':20}  {'value':>15}  {'+-':>10}"]
         lines += [f"{name:20}  {value:15.9g}  {self.deviations[name]:10.2g}{'  at its bound' * (name in self.at_bound)}"
                   for name, value in self.values.items()]
@@ -72,7 +80,9 @@ class Fit:
         return "\n".join(lines)
 
 
-def fit(deck, vary, targets, *, engine=None, starts=1, seed=0, workers=None, told=None, **options):
+def fit(deck: Path, vary: Mapping[str, Sequence[float]], targets: Sequence[tuple[str, str | float]], *,
+        engine: Path | None = None, starts: int = 1, seed: int = 0, workers: int | None = None,
+        told: Callable[[int, float], None] | None = None, **options: Any) -> Fit:
     """Find the parameters within bounds that meet targets best; gives a Fit.
 
     vary: {name: (low, high) or (low, high, start)}; targets: [(measure, value)] or [(channel,
@@ -95,10 +105,10 @@ def fit(deck, vary, targets, *, engine=None, starts=1, seed=0, workers=None, tol
         raise ValueError("there is no target")
     runs = 0
 
-    def run(share):
+    def run(share: Array) -> Model:
         return Model(deck, engine, **{**options, "set": settings(names, low + span*share, options.get("set"))}).run()
 
-    def deviations(share, may_fail=True):
+    def deviations(share: Array, may_fail: bool = True) -> Array:
         nonlocal runs
         runs += 1
         try:
@@ -112,13 +122,19 @@ def fit(deck, vary, targets, *, engine=None, starts=1, seed=0, workers=None, tol
             told(runs, float(np.linalg.norm(found)))
         return np.where(np.isfinite(found), found, LARGE)
 
+    def slopes(share: Array) -> Array:
+        """Of the deviations, by differences into the bounds; runs side by side."""
+        steps = np.where(share < 0.5, STEP, -STEP)
+        base, *moved = pool.map(deviations, [share, *(share + np.diag(steps))])
+        return np.column_stack([(there - base)/step for there, step in zip(moved, steps)])
+
     size = len(deviations(begin, may_fail=False))
     places = [begin, *np.random.default_rng(seed).random((starts - 1, len(names)))]
-    best = None
+    best: Any = None
     with concurrent.futures.ThreadPoolExecutor(workers or default_workers()) as pool:
         for place in places:
-            found = least_squares(deviations, np.clip(place, 1e-6, 1 - 1e-6), bounds=(0, 1), diff_step=STEP,
-                                  xtol=1e-10, ftol=1e-12, gtol=1e-12, workers=pool.map)
+            found = least_squares(deviations, np.clip(place, 1e-6, 1 - 1e-6), slopes, bounds=(0, 1),
+                                  xtol=1e-10, ftol=1e-12, gtol=1e-12)
             if best is None or found.cost < best.cost:
                 best = found
     model = run(best.x)
@@ -128,14 +144,14 @@ def fit(deck, vary, targets, *, engine=None, starts=1, seed=0, workers=None, tol
     spread = np.sqrt(np.diag(inverse)*2*best.cost/free)*span if free > 0 else np.full(len(names), np.nan)
     values = low + span*best.x
     return Fit(dict(zip(names, map(float, values))), dict(zip(names, map(float, spread))),
-               [name for name, x in zip(names, best.x) if min(x, 1 - x) < 1e-5],
+               [name for name, x in zip(names, best.x) if min(x, 1 - x) < NEAR],
                [(g.text, g.target, g.found(model)) for g in goals], float(np.sqrt(2*best.cost)), runs + 1, best.message)
 
 
-def parse_bounds(spec):
+def parse_bounds(spec: str) -> tuple[float, ...]:
     """a:b or a:b:start."""
     try:
-        numbers = tuple(map(float, spec.split(":")))
+        numbers: tuple[float, ...] = tuple(map(float, spec.split(":")))
     except ValueError:
         numbers = ()
     if len(numbers) not in (2, 3):
@@ -143,7 +159,7 @@ def parse_bounds(spec):
     return numbers
 
 
-def main(words=None):
+def main(words: Sequence[str] | None = None) -> int:
     """The command line, as `kjoint fit` hands it over."""
     parser = argparse.ArgumentParser(prog="kjoint fit", description="values of parameters that meet targets")
     parser.add_argument("deck")
@@ -156,7 +172,7 @@ def main(words=None):
     parser.add_argument("--quiet", action="store_true")
     args = parser.parse_args(words)
 
-    def told(runs, misfit):
+    def told(runs: int, misfit: float) -> None:
         if not args.quiet and sys.stderr.isatty():
             print(f"\r{runs} runs, misfit {misfit:.3g}   ", end="", file=sys.stderr, flush=True)
 

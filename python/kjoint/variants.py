@@ -6,6 +6,8 @@ The parameters are those of /PARAMETER in the deck. sweep() does the same from P
 done in blocks, which threads, ranks and machines claim by locks of files (class Store), so what is
 done stays done, whoever dies.
 """
+from __future__ import annotations
+
 import argparse
 import contextlib
 import csv
@@ -25,12 +27,25 @@ import tempfile
 import threading
 import time
 import uuid
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ._error import Error
 from ._library import iso18571, version
 from .model import Model
+from .samples import Path
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .model import RunStatus
+
+Array = npt.NDArray[np.float64]
+Row = list[Any]                                   # measures, cycles, what went wrong
+Told = Callable[[int, int], None]
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 FUNCTIONS = "max, min, mean, rms, range, final, tmax, tmin, at(t), rmse(REF.h5), iso18571(REF.h5)"
@@ -41,21 +56,21 @@ COMPARED = ("rmse", "iso18571")
 class Grid:
     """Values of a parameter, one after the other."""
 
-    def __init__(self, values):
+    def __init__(self, values: npt.ArrayLike) -> None:
         self.values = np.atleast_1d(np.asarray(values, dtype=float))
 
 
 class Spread:
     """A parameter that is drawn: from the share of a distribution to its value."""
 
-    def __init__(self, kind, a, b):
+    def __init__(self, kind: str, a: float, b: float) -> None:
         self.kind, self.a, self.b = kind, a, b
         if kind == "uniform" and not a < b:
             raise ValueError(f"uniform({a:g},{b:g}): the first is not below the second")
         if kind == "normal" and not b > 0:
             raise ValueError(f"normal({a:g},{b:g}): the deviation is not above 0")
 
-    def at(self, share):
+    def at(self, share: Array) -> Array:
         """Values at shares between 0 and 1."""
         if self.kind == "uniform":
             return self.a + (self.b - self.a)*share
@@ -64,7 +79,7 @@ class Spread:
         return np.array([normal.inv_cdf(min(max(s, 1e-12), 1 - 1e-12)) for s in share])
 
 
-def parse_vary(text):
+def parse_vary(text: str) -> Grid | Spread:
     """a:b:n, a:b:n:log, v1,v2,..., normal(mean,sd) or uniform(a,b).
 
     >>> parse_vary("1:3:3").values
@@ -88,16 +103,17 @@ def parse_vary(text):
                          "uniform(a,b)") from None
 
 
-def plan(vary, sample=None, method="random", seed=0):
+def plan(vary: Mapping[str, Any], sample: int | None = None, method: str = "random",
+         seed: int = 0) -> tuple[list[str], Array]:
     """Names and values (variants, names): all combinations of grids, or so many draws."""
     names = list(vary)
     made = [value if isinstance(value, (Grid, Spread)) else parse_vary(value)
             if isinstance(value, str) else Grid(value) for value in vary.values()]
-    drawn = [isinstance(value, Spread) for value in made]
     if not sample:
-        if any(drawn):
-            raise ValueError(f"{names[drawn.index(True)]} is drawn: how many variants (--sample N)?")
-        rows = list(itertools.product(*(value.values for value in made)))
+        for name, value in zip(names, made):
+            if isinstance(value, Spread):
+                raise ValueError(f"{name} is drawn: how many variants (--sample N)?")
+        rows = list(itertools.product(*(value.values for value in made if isinstance(value, Grid))))
         return names, np.array(rows, dtype=float).reshape(len(rows), len(names))
     if method == "random":
         shares = np.random.default_rng(seed).random((sample, len(names)))
@@ -116,51 +132,50 @@ def plan(vary, sample=None, method="random", seed=0):
 class Measure:
     """CHANNEL:FUNCTION, such as joint/force[pin].norm:max."""
 
-    def __init__(self, text):
+    def __init__(self, text: str) -> None:
         self.text = text
         channel, colon, function = text.rpartition(":")
         match = re.fullmatch(r"(\w+)(?:\((.*)\))?", function)
         if not colon or not match or match[1] not in SIMPLE + COMPARED + ("at",):
             raise ValueError(f"{text!r} is no CHANNEL:FUNCTION; functions: {FUNCTIONS}")
-        self.channel, self.function, self.argument = channel, match[1], match[2]
-        if (self.function in SIMPLE) != (self.argument is None):
+        self.channel, self.function = channel, match[1]
+        if (self.function in SIMPLE) != (match[2] is None):
             raise ValueError(f"{text!r}: at(t), rmse(REF.h5) and iso18571(REF.h5) have an argument, no other has")
-        self.reference = None
         if self.function == "at":
-            self.argument = float(self.argument)
+            self.time = float(match[2])
         if self.function in COMPARED:
-            self.reference = read_reference(self.argument, channel)
+            self.reference = read_reference(match[2], channel)
 
-    def of(self, time, y):
+    def of(self, time: Array, y: Array) -> float:
         """The measure of a curve."""
-        simple = {"max": np.max, "min": np.min, "mean": np.mean, "range": np.ptp,
+        simple: dict[str, Callable[[Array], Any]] = {"max": np.max, "min": np.min, "mean": np.mean, "range": np.ptp,
                   "rms": lambda v: np.sqrt(np.mean(v*v)), "final": lambda v: v[-1],
                   "tmax": lambda v: time[np.argmax(v)], "tmin": lambda v: time[np.argmin(v)]}
         if self.function in simple:
             return float(simple[self.function](y))
         if self.function == "at":
-            if not time[0] <= self.argument <= time[-1]:
+            if not time[0] <= self.time <= time[-1]:
                 return float("nan")
-            return float(np.interp(self.argument, time, y))
+            return float(np.interp(self.time, time, y))
         found, wanted = self.beside(time, y)
         if self.function == "iso18571":
             return iso18571(wanted, found)
         return float(np.sqrt(np.mean((found - wanted)**2)))
 
-    def beside(self, time, y):
+    def beside(self, time: Array, y: Array) -> tuple[Array, Array]:
         """A curve at the times of the reference, and the reference, as far as both go."""
         at, wanted = self.reference
         inside = (at >= time[0]) & (at <= time[-1])
         return np.interp(at[inside], time, y), wanted[inside]
 
-    def unit(self, model):
+    def unit(self, model: Model) -> str:
         """Unit of the measure, as histories name it; 1 for a rating."""
         if self.function == "iso18571":
             return "1"
         return model.unit("time" if self.function in ("tmax", "tmin") else re.split(r"[\[.]", self.channel)[0])
 
 
-def read_reference(path, channel):
+def read_reference(path: Path, channel: str) -> tuple[Array, Array]:
     """Times and values of one curve of a history or a T01."""
     from ._show import export
     try:
@@ -172,7 +187,7 @@ def read_reference(path, channel):
     return np.asarray(table["time"]["values"], float), np.asarray(table["series"][0]["values"], float)
 
 
-def settings(names, values, also=None):
+def settings(names: Sequence[str], values: Iterable[float], also: Any = None) -> str | None:
     """The option `set` of a variant."""
     words = (f"{name}={float(value)!r}".removesuffix(".0") for name, value in zip(names, values))
     return ",".join(filter(None, (also, *words))) or None
@@ -181,18 +196,22 @@ def settings(names, values, also=None):
 class Plan:
     """What a sweep is: the same on each rank, and when it is resumed."""
 
-    def __init__(self, deck, engine, options, names, values, measures, keep=()):
-        self.deck, self.engine, self.options = str(deck), engine and str(engine), options
+    def __init__(self, deck: Path, engine: Path | None, options: dict[str, Any], names: Sequence[str],
+                 values: Array, measures: Sequence[Measure], keep: Collection[int] = ()) -> None:
+        self.deck, self.engine, self.options = str(deck), str(engine) if engine else None, options
         self.names, self.values, self.measures, self.keep = names, values, measures, keep
         self.head = ["variant", *names, *(m.text for m in measures), "cycles", "status"]
-        digest = hashlib.sha256(json.dumps([self.head, sorted(options.items()), self.deck, self.engine], default=str).encode())
-        digest.update(np.ascontiguousarray(values).tobytes())
-        for path in filter(None, (self.deck, self.engine)):
-            digest.update(pathlib.Path(path).read_bytes())
-        self.digest = digest.hexdigest()
         self.block = max(1, min(64, len(values)//64))      # variants that a thread takes at a time
 
-    def units(self):
+    def digest(self) -> str:
+        """Of all that decides the rows, included files apart."""
+        digest = hashlib.sha256(json.dumps([self.head, sorted(self.options.items()), self.deck, self.engine], default=str).encode())
+        digest.update(np.ascontiguousarray(self.values).tobytes())
+        for path in filter(None, (self.deck, self.engine)):
+            digest.update(pathlib.Path(path).read_bytes())
+        return digest.hexdigest()
+
+    def units(self) -> list[str]:
         """Units of the measures. Raises Error when the deck cannot be read, has no such parameter or curve."""
         try:
             model = Model(self.deck, self.engine, **{**self.options, "set": settings(
@@ -206,27 +225,33 @@ class Plan:
             model.curve(m.channel)
         return [m.unit(model) for m in self.measures]
 
-    def run(self, k, stopped, folder):
+    def run(self, k: int, stopped: threading.Event, folder: pathlib.Path | None) -> Row:
         """Row of variant k from 0: measures, cycles, and what went wrong, else ''."""
         try:
             model = Model(self.deck, self.engine, **{**self.options, "set": settings(
                 self.names, self.values[k], self.options.get("set"))})
-            model.run(watch=lambda status: stopped.is_set())
+
+            def watch(status: RunStatus) -> bool:
+                return stopped.is_set()
+
+            model.run(watch=watch)
             found = [m.of(model["time"], model.curve(m.channel)) for m in self.measures]
-            if k in self.keep:
+            if folder and k in self.keep:
                 model.write_history(folder / f"variant_{k + 1:05d}.h5")
             return [*found, model.status.cycle, ""]
         except Error as error:
             return [*[float("nan")]*len(self.measures), 0, str(error).splitlines()[0]]
 
 
-def job():
+def job() -> str:
     """What the ranks of one start have in common, or a name of its own."""
     at = os.environ.get
-    return at("PMIX_NAMESPACE") or (at("SLURM_PROCID") and f"{at('SLURM_JOB_ID')}.{at('SLURM_STEP_ID')}") or uuid.uuid4().hex
+    if at("SLURM_PROCID") and not at("PMIX_NAMESPACE"):
+        return f"{at('SLURM_JOB_ID')}.{at('SLURM_STEP_ID')}"
+    return at("PMIX_NAMESPACE") or uuid.uuid4().hex
 
 
-def rank():
+def rank() -> tuple[int, int]:
     """Rank of this process, 0 where there is but one, and how many share its machine."""
     at = os.environ.get
     return (int(at("OMPI_COMM_WORLD_RANK") or at("PMIX_RANK") or at("SLURM_PROCID") or 0),
@@ -241,19 +266,20 @@ class Store:
     under way, and a sweep that was killed goes on from its files.
     """
 
-    def __init__(self, folder, plan, resume):
+    def __init__(self, folder: Path, plan: Plan, resume: bool) -> None:
         self.folder, self.plan = pathlib.Path(folder), plan
         self.n_block = -(-len(plan.values)//plan.block)
-        self.rows, self.lock = {}, threading.Lock()
+        self.rows: dict[int, Row] = {}
+        self.lock = threading.Lock()
         self.folder.mkdir(parents=True, exist_ok=True)
-        me, note = job(), self.folder / "plan.json"
+        me, digest, note = job(), plan.digest(), self.folder / "plan.json"
         with open(self.folder / "gate", "a") as gate:
             fcntl.flock(gate, fcntl.LOCK_EX)               # who comes in decides alone
             self.inside = open(self.folder / "inside", "a")
             alone = try_lock(self.inside)
             there = json.loads(note.read_text()) if note.exists() else {}
             if there and (resume or there["job"] == me):
-                if there["digest"] != plan.digest:
+                if there["digest"] != digest:
                     raise ValueError(f"{folder} is of another sweep: deck, options, variants or measures differ")
             elif not alone:
                 raise ValueError(f"another sweep writes to {folder}; --resume joins it")
@@ -261,10 +287,10 @@ class Store:
                 for path in self.folder.glob("*.csv"):
                     path.unlink()
             if alone:
-                note.write_text(json.dumps({"job": me, "digest": plan.digest}))
+                note.write_text(json.dumps({"job": me, "digest": digest}))
             fcntl.flock(self.inside, fcntl.LOCK_SH)
 
-    def work(self, stopped, told, histories):
+    def work(self, stopped: threading.Event, told: Told | None, histories: pathlib.Path | None) -> None:
         """Do blocks until all are done, by whoever."""
         while not stopped.is_set():
             busy = False
@@ -282,13 +308,14 @@ class Store:
                 return
             stopped.wait(0.05)
 
-    def variants(self, b):
+    def variants(self, b: int) -> range:
         return range(b*self.plan.block, min((b + 1)*self.plan.block, len(self.plan.values)))
 
-    def is_done(self, b):
+    def is_done(self, b: int) -> bool:
         return all(k in self.rows for k in self.variants(b))
 
-    def work_on(self, b, file, stopped, told, histories):
+    def work_on(self, b: int, file: IO[str], stopped: threading.Event, told: Told | None,
+                histories: pathlib.Path | None) -> None:
         """The rows of a block that are there, and those that are missing."""
         file.seek(0)
         text = file.read()
@@ -310,11 +337,11 @@ class Store:
             if told:
                 told(len(self.rows), len(self.plan.values))
 
-    def take(self, k, row):
+    def take(self, k: int, row: Row) -> None:
         with self.lock:
             self.rows[k] = row
 
-    def close(self, finish=None):
+    def close(self, finish: Callable[[], None] | None = None) -> None:
         """Leave; the first of those that have all rows calls finish, the last takes the folder away."""
         with open(self.folder / "gate", "a") as gate:
             fcntl.flock(gate, fcntl.LOCK_EX)
@@ -326,7 +353,7 @@ class Store:
             self.inside.close()
 
 
-def try_lock(file):
+def try_lock(file: IO[str]) -> bool:
     """Lock an open file, unless another has it."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -335,8 +362,11 @@ def try_lock(file):
     return True
 
 
-def sweep(deck, vary=None, measure=(), *, table=None, draws=None, method="random", seed=0, engine=None,
-          workers=None, output=None, keep=(), resume=False, reproducible=False, told=None, **options):
+def sweep(deck: Path, vary: Mapping[str, Any] | None = None, measure: Sequence[str] = (), *,
+          table: Mapping[str, npt.ArrayLike] | None = None, draws: int | None = None, method: str = "random",
+          seed: int = 0, engine: Path | None = None, workers: int | None = None, output: Path | None = None,
+          keep: Collection[int] = (), resume: bool = False, reproducible: bool = False,
+          told: Told | None = None, **options: Any) -> xarray.Dataset:
     """Run the variants of a deck; gives an xarray.Dataset over `variant`.
 
     vary: {name: values or a text as on the command line}; table: {name: one value a variant}.
@@ -349,6 +379,14 @@ def sweep(deck, vary=None, measure=(), *, table=None, draws=None, method="random
 
     Raises Error when the deck cannot be read, ValueError for what cannot be swept. A variant that
     fails has NaN as its measures, and why in `status`.
+
+    >>> import pathlib, kjoint
+    >>> deck = kjoint.example().deck().replace(" 2.0000000000000e+00   9100002", "               &mass   9100002")
+    >>> mass = "/PARAMETER/GLOBAL/REAL/1\\nmass of the bar\\nmass                       2.0\\n/NODE"
+    >>> _ = pathlib.Path("bar_0000.rad").write_text(deck.replace("/NODE", mass, 1))
+    >>> found = kjoint.sweep("bar_0000.rad", {"mass": [1, 2, -1]}, ["joint/force[hinge].norm:max"], until=1.0, sample=0.01)
+    >>> found["joint/force[hinge].norm:max"].values.round(1)             # N
+    array([21.5, 48.9,  nan])
     """
     import xarray as xr
     measures = [Measure(text) for text in measure]
@@ -361,12 +399,12 @@ def sweep(deck, vary=None, measure=(), *, table=None, draws=None, method="random
         raise ValueError("histories are kept beside an output: name it")
     work = Plan(deck, engine, options, names, values, measures, {k - 1 for k in keep})
     units = work.units()
-    histories = output and pathlib.Path(f"{output}.runs")
-    if keep:
+    histories = pathlib.Path(f"{output}.runs") if keep else None
+    if histories:
         histories.mkdir(parents=True, exist_ok=True)
 
-    def finish():
-        data = {name: ("variant", values[:, i]) for i, name in enumerate(names)}
+    def finish() -> None:
+        data: dict[str, tuple[Any, ...]] = {name: ("variant", values[:, i]) for i, name in enumerate(names)}
         for i, (m, unit) in enumerate(zip(measures, units)):
             data[m.text] = ("variant", np.array([rows[k][i] for k in range(n)]),
                             {"channel": m.channel, "function": m.text.rpartition(":")[2], "units": unit})
@@ -377,12 +415,13 @@ def sweep(deck, vary=None, measure=(), *, table=None, draws=None, method="random
             about.update(date=datetime.datetime.now().astimezone().isoformat(timespec="seconds"), host=socket.gethostname())
         made.append(xr.Dataset(data, {"variant": np.arange(1, n + 1)}, about))
 
-    def finish_file():
+    def finish_file() -> None:
         finish()
         if output:
             write(made[0], output)
 
-    n, made = len(values), []
+    made: list[xarray.Dataset] = []
+    n = len(values)
     with contextlib.ExitStack() as stack:
         folder = f"{output}.rows" if output else stack.enter_context(tempfile.TemporaryDirectory()) + "/rows"
         store = Store(folder, work, resume)
@@ -398,15 +437,16 @@ def sweep(deck, vary=None, measure=(), *, table=None, draws=None, method="random
     return made[0]
 
 
-def default_workers():
+def default_workers() -> int:
     return max(1, len(os.sched_getaffinity(0))//rank()[1])
 
 
-def work_in_threads(store, workers, told, histories):
+def work_in_threads(store: Store, workers: int, told: Told | None, histories: pathlib.Path | None) -> None:
     """Threads that do blocks; Ctrl-C and what one raises end all of them, within a row."""
-    stopped, raised = threading.Event(), []
+    stopped = threading.Event()
+    raised: list[BaseException] = []
 
-    def work():
+    def work() -> None:
         try:
             store.work(stopped, told, histories)
         except BaseException as error:
@@ -428,12 +468,12 @@ def work_in_threads(store, workers, told, histories):
         raise raised[0]
 
 
-def write(table, path):
+def write(table: xarray.Dataset, path: Path) -> None:
     """A CSV, or an HDF5 (netCDF) file and a CSV beside it, by the end of the name."""
     path = pathlib.Path(path)
     if path.suffix != ".csv":
         new = path.with_name(path.name + ".new")
-        safe = table.rename({name: name.replace("/", "|") for name in table.data_vars if "/" in name})
+        safe = table.rename({name: str(name).replace("/", "|") for name in table.data_vars if "/" in str(name)})
         safe["status"] = safe["status"].astype(str)
         safe.to_netcdf(new, engine="h5netcdf")
         os.replace(new, path)
@@ -443,7 +483,7 @@ def write(table, path):
     os.replace(new, path)
 
 
-def read_table(path):
+def read_table(path: Path) -> dict[str, list[float]]:
     """Columns of a CSV file of parameters."""
     with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -455,25 +495,25 @@ def read_table(path):
         raise ValueError(f"{path}: a row has fewer columns than the first line") from None
 
 
-def parse_numbers(text, n):
+def parse_numbers(text: str, n: int) -> Collection[int]:
     """Numbers of variants: all, or such as 1,20:30."""
     if text == "all":
         return range(1, n + 1)
     if not re.fullmatch(r"\d+(:\d+)?(,\d+(:\d+)?)*", text):
         raise ValueError(f"--keep {text}: all, or numbers such as 1,20:30")
-    chosen = []
+    chosen: list[int] = []
     for word in text.split(","):
         first, _, last = word.partition(":")
         chosen += range(int(first), int(last or first) + 1)
     return chosen
 
 
-def run_options(words):
+def run_options(words: Iterable[str]) -> dict[str, Any]:
     """Options of a run from NAME=VALUE; a name may have - for _."""
     return {name.replace("-", "_"): value for name, _, value in (word.partition("=") for word in words)}
 
 
-def parse_varied(words):
+def parse_varied(words: Iterable[str]) -> dict[str, str]:
     """NAME=SPEC, each once."""
     pairs = [word.partition("=")[::2] for word in words]
     for name, spec in pairs:
@@ -482,7 +522,7 @@ def parse_varied(words):
     return dict(pairs)
 
 
-def main(words=None):
+def main(words: Sequence[str] | None = None) -> int:
     """The command line, as `kjoint sweep` hands it over."""
     parser = argparse.ArgumentParser(prog="kjoint sweep", description="run variants of a deck")
     parser.add_argument("deck")
@@ -506,7 +546,7 @@ def main(words=None):
     first = rank()[0] == 0
     began = time.monotonic()
 
-    def told(done, of):
+    def told(done: int, of: int) -> None:
         if first and not args.quiet and sys.stderr.isatty():
             print(f"\r{done} of {of} variants", end="" if done < of else "\n", file=sys.stderr, flush=True)
 
@@ -524,8 +564,11 @@ def main(words=None):
         workers = options.pop("threads", None)
         if args.every:
             options["sample"] = args.every
-        table = read_table(args.table) if args.table else dict(zip(*_columns(plan(
-            parse_varied(args.vary), args.sample, methods[0] if methods else "random", args.seed))))
+        if args.table:
+            table: dict[str, Any] = read_table(args.table)
+        else:
+            names, values = plan(parse_varied(args.vary), args.sample, methods[0] if methods else "random", args.seed)
+            table = dict(zip(names, values.T))
         n = len(next(iter(table.values())))
         result = sweep(args.deck, None, args.measure, table=table, engine=args.engine,
                        workers=workers and int(workers), output=args.output, resume=args.resume, told=told,
@@ -551,10 +594,6 @@ def main(words=None):
     if first and failed:
         print(f"warning: {len(failed)} of {n} variants failed, such as: {failed[0]}", file=sys.stderr)
     return 1 if len(failed) == n else 0
-
-
-def _columns(planned):
-    return planned[0], planned[1].T
 
 
 if __name__ == "__main__":

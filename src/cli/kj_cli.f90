@@ -8,7 +8,8 @@ module kj_cli
    use kj_new_command, only: new_command
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
       CMD_CONVERT, CMD_EXPORT, CMD_PLOT, CMD_ANIMATE, CMD_REPORT, CMD_INFO, CMD_STUDY, &
-      CMD_SWEEP, CMD_FIT, CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, CMD_LIST, CMD_NEW, CMD_HELP, CMD_VERSION, OPT_JSON
+      CMD_SWEEP, CMD_FIT, CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, CMD_LIST, CMD_NEW, CMD_HELP, &
+      CMD_VERSION, OPT_JSON
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table

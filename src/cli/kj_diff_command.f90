@@ -84,7 +84,7 @@ contains
          if (n == MOST_DRAWN) exit
       end do
       if (n == 0) call add_words(words, '--channel', 'internal_energy')
-      call run_python(words, code, error)
+      call run_python(words, .false., code, error)
       if (code /= 0 .and. .not. allocated(error)) call fail(error, ERR_FILE, &
          args%value(OPT_PLOT)%s//' was not drawn')
    end subroutine plot_worst

@@ -62,7 +62,7 @@ contains
             call add_words(words, 'vtk', args%operand(1)%s)
             call add_words(words, '--to', form)
             call add_words(words, '--output', output)
-            call run_python(words, code, error)
+            call run_python(words, .false., code, error)
          end if
          return
       case default

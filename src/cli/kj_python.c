@@ -45,8 +45,9 @@ static int beside(const char *program, int up, const char *tail, char *path)
 }
 
 /* Run MODULE of the package with words; words are n texts, each ended by a null character. Returns
-   the exit code; 127: there is no Python */
-int kj_run_python(const char *words, int n)
+   the exit code; 127: there is no Python. With become the program takes the place of this one, with
+   its signals and its exit code, so that only 127 comes back */
+int kj_run_python(const char *words, int n, int become)
 {
     char program[PATH_MAX] = "", package[PATH_MAX] = "", python[PATH_MAX] = "python3";
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
@@ -72,7 +73,7 @@ int kj_run_python(const char *words, int n)
         words += strlen(words) + 1;
     }
     fflush(stdout);
-    pid_t child = fork();
+    pid_t child = become ? 0 : fork();
     if (child == 0) {
         if (package[0]) {
             const char *before = getenv("PYTHONPATH");
@@ -82,7 +83,12 @@ int kj_run_python(const char *words, int n)
             setenv("PYTHONPATH", path, 1);
         }
         setenv("KJOINT_PROGRAM", program, 1);
+        char library[PATH_MAX];
+        if (beside(program, 1, "libkjoint_c.so", library))       /* of a build tree */
+            setenv("KJOINT_LIBRARY", library, 0);
         execvp(python, argv);
+        if (become)
+            return 127;
         _exit(127);
     }
     free(argv);

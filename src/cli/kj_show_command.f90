@@ -36,7 +36,7 @@ contains
             call add_words(words, '--channel', args%operand(i)%s)
          end if
       end do
-      call run_python(words, code, error)
+      call run_python(words, .false., code, error)
    end subroutine plot_command
 
    !> Draw the mechanism. Errors: ERR_FILE when there is no Python
@@ -55,7 +55,7 @@ contains
       call add_option(args, OPT_COLOUR, '--colour', words)
       call add_option(args, OPT_AT, '--at', words)
       call add_option(args, OPT_SECONDS, '--seconds', words)
-      call run_python(words, code, error)
+      call run_python(words, .false., code, error)
    end subroutine animate_command
 
    !> Write the page. Errors: ERR_FILE when there is no Python
@@ -72,7 +72,7 @@ contains
       if (allocated(error)) return
       call add_words(words, '--output', output)
       if (args%n_operand == 2) call add_words(words, '--reference', args%operand(2)%s)
-      call run_python(words, code, error)
+      call run_python(words, .false., code, error)
    end subroutine report_command
 
    subroutine add_option(args, option, name, words)

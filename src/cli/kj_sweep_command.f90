@@ -1,4 +1,4 @@
-!> `kjoint sweep` and `kjoint fit`: options in, and a program of the Python package runs the variants.
+!> `kjoint sweep` and `kjoint fit`: options in, and a program of the Python package takes over.
 module kj_sweep_command
    use kj_error, only: error_t
    use kj_option, only: arguments_t, option_t, option, FIRST_RUN, N_OPTION, OPT_INPUT, OPT_OUTPUT
@@ -53,7 +53,7 @@ contains
             call add_each(trim(o%name), args%value(i)%s, words)
          end if
       end do
-      call run_python(words, code, error)
+      call run_python(words, .true., code, error)
    end subroutine sweep_command
 
    !> An option with each of the values that it was given

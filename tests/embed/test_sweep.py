@@ -1,24 +1,38 @@
 #!/usr/bin/env python3
-"""Sweeps of a deck: variants are single runs, rows that are done stay done.
+"""Sweeps and fits of a deck: variants are single runs to the bit, what fails says so, what is done
+stays done when a thread, a rank or the whole job is killed.
 
-usage: test_sweep.py REV01_0000.rad"""
+usage: test_sweep.py KJOINT REV01_0000.rad [unittest arguments]"""
 import contextlib
+import csv
 import io
+import json
+import os
 import pathlib
+import random
+import shutil
+import signal
+import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy as np
+import xarray as xr
 
 import kjoint
-from kjoint.sweep import Measure, main, parse_vary, plan, sweep
+from kjoint.fit import fit
+from kjoint.variants import Measure, main, parse_vary, plan, read_reference, settings, sweep
 
-REV01 = pathlib.Path(sys.argv[1])
+KJOINT, REV01 = sys.argv[1], pathlib.Path(sys.argv[2])
 OPTIONS = dict(until=0.02, sample=1e-3, formulation="legacy")
+WORDS = ["--until", "0.02", "--every", "1e-3", "--formulation", "legacy"]
+FORCE, TURN = "joint/force[900].x:final", "joint/rotation[900].x:max"
+MPIRUN = shutil.which("mpirun")
 
 
-class Sweeps(unittest.TestCase):
+class Folder(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -33,34 +47,96 @@ class Sweeps(unittest.TestCase):
                             + "40.0".rjust(20) + "\n/NODE\n", 1)
         self.deck.write_text(text)
 
+    def start(self, *words, before=(), **options):
+        """`kjoint sweep` of 200 variants into sweep.h5, under way."""
+        return subprocess.Popen([*before, KJOINT, "sweep", self.deck, "--vary", "spring=0:80:200", "--measure", TURN,
+                                 "--until", "0.2", "--every", "1e-3", "--formulation", "legacy", "--reproducible", "-o", self.folder / "sweep.h5",
+                                 *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+
+    def finished(self, process, code=0):
+        said = process.communicate(timeout=600)[0]
+        self.assertEqual(code, process.returncode, said)
+        return said
+
+    def wait_for_rows(self, least):
+        """Rows that are done of a sweep under way."""
+        for _ in range(6000):
+            n = sum(path.read_text().count("\n") for path in self.folder.glob("sweep.h5.rows/*.csv"))
+            if n >= least:
+                return n
+            time.sleep(0.01)
+        self.fail("no rows")
+
+    def whole(self):
+        """The file that a sweep in one go writes, and its table as text."""
+        self.finished(self.start("--threads", "1"))
+        wanted = (self.folder / "sweep.h5").read_bytes(), (self.folder / "sweep.csv").read_text()
+        (self.folder / "sweep.h5").unlink()
+        return wanted
+
+    def is_whole(self, wanted):
+        self.assertEqual(wanted[1], (self.folder / "sweep.csv").read_text())
+        self.assertEqual(wanted[0], (self.folder / "sweep.h5").read_bytes())
+        self.assertFalse((self.folder / "sweep.h5.rows").exists())
+
+
+class Sweeps(Folder):
     def test_variants_are_single_runs_to_the_bit(self):
-        table = sweep(self.deck, {"spring": "0:80:3", "stiff": [1e6, 2e6]}, ["joint/force[900].x:final",
-                                                                          "joint/rotation[900].x:max"], workers=2, **OPTIONS)
-        self.assertEqual(6, table.sizes["variant"])
-        self.assertEqual([0, 0, 40, 40, 80, 80], list(table["spring"].values))
-        for k in (1, 4):
-            values = ",".join(f"{name}={float(table[name].values[k])!r}" for name in ("spring", "stiff"))
-            one = kjoint.Model(self.deck, set=values, **OPTIONS).run()
-            self.assertEqual(one.curve("joint/force[900].x")[-1], table["joint/force[900].x:final"].values[k])
-            self.assertEqual(one.curve("joint/rotation[900].x").max(), table["joint/rotation[900].x:max"].values[k])
+        self.finished(subprocess.Popen([KJOINT, "sweep", self.deck, "--vary", "spring=uniform(0,80)", "--vary",
+                                        "stiff=1e5:1e7:50:log", "--sample", "100", "--sobol", "--measure", FORCE, "--measure", TURN,
+                                        *WORDS, "--threads", "2", "-q", "-o", self.folder / "s.csv"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True))
+        table = self.columns("s.csv")
+        self.assertEqual(100, len(table[TURN]))
+        for k in random.Random(1).sample(range(100), 20):
+            words = ["--until", "0.02", "--sample", "1e-3", "--legacy"]
+            subprocess.run([KJOINT, "run", self.deck, "-q", *words, "-o", self.folder / "one.h5", "--set",
+                            f"spring={table['spring'][k]},stiff={table['stiff'][k]}"], check=True)
+            with self.program():
+                _, force = read_reference(self.folder / "one.h5", FORCE.rpartition(":")[0])
+                _, turn = read_reference(self.folder / "one.h5", TURN.rpartition(":")[0])
+            self.assertEqual((force[-1], turn.max()), (float(table[FORCE][k]), float(table[TURN][k])))
+
+    def columns(self, name):
+        """A CSV file as texts by column."""
+        with open(self.folder / name, newline="") as file:
+            rows = list(csv.DictReader(file))
+        return {key: [row[key] for row in rows] for key in rows[0]}
+
+    @contextlib.contextmanager
+    def program(self):
+        os.environ["KJOINT_PROGRAM"] = KJOINT
+        yield
+        del os.environ["KJOINT_PROGRAM"]
 
     def test_a_variant_that_fails_says_so_in_its_row(self):
-        table = sweep(self.deck, {"stiff": [1e6, -1.0]}, ["internal_energy:final"], **OPTIONS)
-        self.assertEqual("", table["status"].values[0])
-        self.assertNotEqual("", table["status"].values[1])
-        self.assertTrue(np.isfinite(table["internal_energy:final"].values[0]) and np.isnan(table["internal_energy:final"].values[1]))
+        table = sweep(self.deck, {"stiff": [1e6, -1.0, 2e6]}, ["internal_energy:final"], **OPTIONS)
+        self.assertIn("negative", table["status"].values[1])                 # refused
+        self.assertTrue(np.isnan(table["internal_energy:final"].values[1]))
+        alone = sweep(self.deck, {"stiff": [1e6, 2e6]}, ["internal_energy:final"], **OPTIONS)
+        np.testing.assert_array_equal(alone["internal_energy:final"].values, table["internal_energy:final"].values[[0, 2]])
+        # blows up at fifty times its critical step, within the energy limit of a run
+        table = sweep(self.deck, {"spring": [40.0]}, ["internal_energy:final"], dt_scale=50.0, energy_limit=15.0, **OPTIONS)
+        self.assertRegex(table["status"].values[0], "energy|finite|step")
 
-    def test_rows_that_are_done_stay_done(self):
-        rows = self.folder / "rows.csv"
-        first = sweep(self.deck, {"spring": [0.0, 40.0]}, ["internal_energy:final"], resume=rows, **OPTIONS)
-        lines = rows.read_text().splitlines()
-        self.assertEqual(3, len(lines))
-        changed = [lines[0], lines[1].replace(repr(float(first["internal_energy:final"].values[int(lines[1][0]) - 1])), "7.0")]
-        rows.write_text("\n".join(changed) + "\n" + lines[2][:4])      # the last row is cut
-        again = sweep(self.deck, {"spring": [0.0, 40.0]}, ["internal_energy:final"], resume=rows, **OPTIONS)
-        self.assertIn(7.0, list(again["internal_energy:final"].values))          # taken from the file
-        with self.assertRaisesRegex(ValueError, "another sweep"):
-            sweep(self.deck, {"spring": [1.0, 40.0]}, ["internal_energy:final"], resume=rows, **OPTIONS)
+    def test_what_no_variant_could_do_is_an_error(self):
+        for vary, measure, word in (({"nothing": [1]}, "mass:max", "no parameter"), ({"spring": [1]}, "joint/nothing[900]:max", "nothing"),
+                                    ({"spring": [1]}, "joint/force:max", "curves")):
+            with self.assertRaisesRegex(kjoint.Error, word):
+                sweep(self.deck, vary, [measure], **OPTIONS)
+        with self.assertRaises(kjoint.Error):
+            sweep(self.folder / "none_0000.rad", {"spring": [1]}, ["mass:max"], **OPTIONS)
+
+    def test_the_file_is_a_table_for_xarray_and_pandas(self):
+        out = self.folder / "sweep.h5"
+        sweep(self.deck, {"spring": [0.0, 40.0]}, [FORCE, "joint/rotation[900].x:tmax"], output=out, keep=[2], **OPTIONS)
+        with xr.open_dataset(out) as table:
+            self.assertEqual({"variant": 2}, dict(table.sizes))
+            self.assertEqual(["kg m s-2", "s"], [table[name.replace("/", "|")].units for name in (FORCE, "joint/rotation[900].x:tmax")])
+            frame = table.to_dataframe()
+        self.assertEqual([0.0, 40.0], list(frame["spring"]))
+        self.assertEqual(list(frame[FORCE.replace("/", "|")]), list(map(float, self.columns("sweep.csv")[FORCE])))
+        self.assertEqual(["variant_00002.h5"], os.listdir(self.folder / "sweep.h5.runs"))
 
     def test_values_of_a_parameter(self):
         np.testing.assert_allclose(parse_vary("1:100:3:log").values, [1, 10, 100])
@@ -74,29 +150,160 @@ class Sweeps(unittest.TestCase):
         # of Latin hypercube draws each tenth of a range holds one
         _, drawn = plan({"a": "uniform(0,10)"}, sample=10, method="lhs", seed=3)
         self.assertEqual(list(range(10)), sorted(int(x) for x in drawn[:, 0]))
+        self.assertEqual("more=1,a=3,b=0.1", settings(["a", "b"], [3.0, 0.1], "more=1"))     # an integer may take a
 
     def test_measures_of_a_curve(self):
         time, y = np.array([0.0, 1.0, 3.0]), np.array([2.0, -4.0, 1.0])
         for function, value in (("max", 2), ("min", -4), ("range", 6), ("final", 1), ("tmin", 1), ("mean", -1 / 3),
                                 ("rms", np.sqrt(7)), ("at(2)", -1.5)):
             self.assertAlmostEqual(value, Measure(f"mass:{function}").of(time, y), 12)
-        for text in ("mass", "mass:most", "mass:at", "mass:max(3)"):
+        for text in ("mass", "mass:most", "mass:at", "mass:max(3)", "mass:rmse"):
             with self.assertRaises(ValueError):
                 Measure(text)
+
+    def test_a_history_is_compared_with_another(self):
+        reference = self.folder / "ref.h5"
+        kjoint.Model(self.deck, set="spring=40", **OPTIONS).run().write_history(reference)
+        with self.program():
+            names = [f"joint/rotation[900].x:{function}({reference})" for function in ("rmse", "iso18571")]
+            table = sweep(self.deck, {"spring": [40.0, 60.0]}, names, **OPTIONS)
+        self.assertEqual([0.0, 1.0], [table[name].values[0] for name in names])              # the same curve
+        a, b = (kjoint.Model(self.deck, set=f"spring={k}", **OPTIONS).run().curve("joint/rotation[900].x") for k in (40, 60))
+        self.assertAlmostEqual(np.sqrt(np.mean((a - b)**2)), table[names[0]].values[1], 12)
+        self.assertTrue(0 < table[names[1]].values[1] < 1)
 
     def test_the_command_line(self):
         out = self.folder / "table.csv"
         with contextlib.redirect_stdout(io.StringIO()) as said:
-            code = main([str(self.deck), "--vary", "spring=0,80", "--measure", "joint/rotation[900].x:max", "-o", str(out),
-                         "--options", "until=0.02 sample=0.001 formulation=legacy"])
+            code = main([str(self.deck), "--vary", "spring=0,80", "--measure", TURN, "--output", str(out),
+                         "--run", "until=0.02", "--every", "0.001", "--run", "formulation=legacy"])
         self.assertEqual(0, code)
         self.assertIn("2 variants, 0 failed", said.getvalue())
-        self.assertEqual("variant,spring,joint/rotation[900].x:max,status", out.read_text().splitlines()[0])
-        with contextlib.redirect_stderr(io.StringIO()) as wrong:
-            self.assertEqual(2, main([str(self.deck), "--vary", "spring=1"]))
-        self.assertIn("--measure", wrong.getvalue())
+        self.assertEqual(f"variant,spring,{TURN},cycles,status", out.read_text().splitlines()[0])
+        (self.folder / "in.csv").write_text("spring,stiff\n0,1e6\n80,1e6\n")
+        first = out.read_text().splitlines()
+        main([str(self.deck), "--table", str(self.folder / "in.csv"), "--measure", TURN, "--output", str(out),
+              "--run", "until=0.02", "--every", "0.001", "--run", "formulation=legacy", "--quiet"])
+        self.assertEqual([row.split(",")[2] for row in first[1:]], [row.split(",")[3] for row in out.read_text().splitlines()[1:]])
+        for words, reason in ((["--vary", "spring=1"], "--measure"), (["--measure", TURN], "--vary"),
+                              (["--vary", "spring=1", "--measure", TURN, "--lhs"], "--sample"),
+                              (["--vary", "spring=1", "--vary", "spring=2", "--measure", TURN], "once"),
+                              (["--vary", "spring=1", "--measure", TURN, "--keep", "x"], "--keep")):
+            with contextlib.redirect_stderr(io.StringIO()) as wrong:
+                self.assertEqual(2, main([str(self.deck), *words, "--output", str(self.folder / "no.csv")]))
+            self.assertIn(reason, wrong.getvalue())
+
+
+class Killed(Folder):
+    def test_a_job_that_is_killed_goes_on(self):
+        wanted = self.whole()
+        for blow in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
+            process = self.start("--threads", "2")
+            done = self.wait_for_rows(20)
+            process.send_signal(blow)
+            process.communicate(timeout=60)
+            self.assertEqual(-9 if blow == signal.SIGKILL else 130, process.returncode)
+            # the last row may be cut, and one that is there is not done again
+            path = max(self.folder.glob("sweep.h5.rows/*.csv"), key=lambda path: path.stat().st_size)
+            rows = path.read_text().splitlines()
+            with open(path, "a") as file:
+                file.write("3,1.5,0.")
+            self.finished(self.start("--resume", "--threads", "1"))
+            self.is_whole(wanted)
+            (self.folder / "sweep.h5").unlink()
+            self.assertGreaterEqual(done, 20)
+            self.assertTrue(set(row.split(",")[1] for row in rows) <= set(wanted[1].replace("\n", ",").split(",")))
+
+    def test_what_is_there_is_taken(self):
+        process = self.start("--threads", "1")
+        self.wait_for_rows(20)
+        process.kill()
+        process.communicate()
+        path = min(self.folder.glob("sweep.h5.rows/*.csv"))
+        rows = path.read_text().splitlines(keepends=True)
+        path.write_text("1,7.0,5,\n" + "".join(rows[1:]))
+        self.finished(self.start("--resume"))
+        self.assertIn("1,0.0,7.0,5,", (self.folder / "sweep.csv").read_text())
+
+    def test_another_sweep_is_told_apart(self):
+        process = self.start("--threads", "1")
+        self.wait_for_rows(5)
+        self.assertIn("another sweep writes", self.finished(self.start(), 2))
+        process.kill()
+        process.communicate()
+        self.assertIn("is of another sweep", self.finished(self.start("--resume", "--kn-scale", "2"), 2))
+        self.finished(self.start())                        # without --resume it begins anew
+
+    def test_whoever_joins_shares_the_work(self):
+        wanted = self.whole()
+        first = self.start("--threads", "1")
+        self.wait_for_rows(3)
+        second = self.start("--threads", "1", "--resume")
+        self.finished(first)
+        self.finished(second)
+        self.is_whole(wanted)
+
+    def test_a_rank_that_is_killed_costs_what_it_was_at(self):
+        wanted = self.whole()
+        ranks = [self.start("--threads", "1", env={**os.environ, "PMIX_NAMESPACE": "a", "OMPI_COMM_WORLD_RANK": str(rank)})
+                 for rank in range(3)]
+        self.wait_for_rows(20)
+        ranks[1].kill()
+        ranks[1].communicate()
+        self.assertNotEqual("", self.finished(ranks[0]))
+        self.assertEqual("", self.finished(ranks[2]))      # one rank speaks
+        self.is_whole(wanted)
+
+    @unittest.skipUnless(MPIRUN, "mpirun is not installed")
+    def test_ranks_of_mpirun_write_the_same_file(self):
+        wanted = self.whole()
+        environment = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        for n in (1, 2, 4):
+            said = self.finished(self.start(before=[MPIRUN, "--oversubscribe", "-n", str(n)], env=environment))
+            self.assertEqual(1, said.count("200 variants"), said)
+            self.is_whole(wanted)
+            (self.folder / "sweep.h5").unlink()
+        process = self.start(before=[MPIRUN, "--oversubscribe", "-n", "2"], env=environment)
+        self.wait_for_rows(20)
+        process.terminate()                                # mpirun ends its ranks
+        process.communicate(timeout=60)
+        self.finished(self.start("--resume"))
+        self.is_whole(wanted)
+
+
+class Fits(Folder):
+    def test_a_value_is_met_as_by_hand(self):
+        # the rotation falls as the spring stiffens; what a run with 50 shows is to be found again
+        wanted = kjoint.Model(self.deck, set="spring=50", **OPTIONS).run().curve("joint/rotation[900].x").max()
+        found = fit(self.deck, {"spring": (1.0, 200.0)}, [(TURN, wanted)], **OPTIONS)
+        self.assertAlmostEqual(50.0, found.values["spring"], 4)
+        self.assertEqual([], found.at_bound)
+        self.assertIn("spring", found.report())
+
+    def test_a_curve_is_followed(self):
+        reference = self.folder / "ref.h5"
+        kjoint.Model(self.deck, set="spring=50", **OPTIONS).run().write_history(reference)
+        done = subprocess.run([KJOINT, "fit", self.deck, "--vary", "spring=1:200", "--measure", "joint/rotation[900].x", "--target",
+                               reference, "--until", "0.02", "--sample", "1e-3", "--formulation", "legacy", "-o", self.folder / "fit.json"],
+                              capture_output=True, text=True, check=True)
+        found = json.loads((self.folder / "fit.json").read_text())
+        self.assertAlmostEqual(50.0, found["values"]["spring"], 4)
+        self.assertIn("misfit", done.stdout)
+
+    def test_a_target_out_of_reach_ends_at_a_bound(self):
+        found = fit(self.deck, {"spring": (1.0, 20.0)}, [(TURN, 0.0)], **OPTIONS)
+        self.assertEqual(["spring"], found.at_bound)
+        self.assertAlmostEqual(20.0, found.values["spring"], 2)
+
+    def test_what_cannot_be_fitted_is_refused(self):
+        for vary, targets in (({"spring": (2.0, 1.0)}, [(TURN, 1.0)]), ({"spring": (1.0, 2.0, 3.0)}, [(TURN, 1.0)]),
+                              ({}, [(TURN, 1.0)]), ({"spring": (1.0, 2.0)}, [])):
+            with self.assertRaises(ValueError):
+                fit(self.deck, vary, targets, **OPTIONS)
+        with self.assertRaises(kjoint.Error):
+            fit(self.deck, {"nothing": (1.0, 2.0)}, [(TURN, 1.0)], **OPTIONS)
 
 
 if __name__ == "__main__":
-    del sys.argv[1]
+    del sys.argv[1:3]
     unittest.main()
