@@ -187,9 +187,24 @@ def read_reference(path: Path, channel: str) -> tuple[Array, Array]:
     return np.asarray(table["time"]["values"], float), np.asarray(table["series"][0]["values"], float)
 
 
+def text_of(value: float) -> str:
+    """A number as a field of a card takes it, sign and all: 19 characters hold 13 digits or more.
+
+    >>> text_of(3.0), text_of(0.1), text_of(-1.2345678901234567e-05)
+    ('3', '0.1', '-1.234567890123e-05')
+    """
+    text = repr(float(value))
+    text = text[:-2] if text.endswith(".0") else text
+    digits = 17
+    while len(text) > 19:
+        digits -= 1
+        text = f"{value:.{digits}g}"
+    return text
+
+
 def settings(names: Sequence[str], values: Iterable[float], also: Any = None) -> str | None:
     """The option `set` of a variant."""
-    words = (f"{name}={float(value)!r}".removesuffix(".0") for name, value in zip(names, values))
+    words = (f"{name}={text_of(value)}" for name, value in zip(names, values))
     return ",".join(filter(None, (also, *words))) or None
 
 
@@ -395,6 +410,7 @@ def sweep(deck: Path, vary: Mapping[str, Any] | None = None, measure: Sequence[s
         values = np.column_stack([np.asarray(table[name], float) for name in names])
     else:
         names, values = plan(vary or {}, draws, method, seed)
+    values = np.array([float(text_of(value)) for value in values.ravel()]).reshape(values.shape)
     if keep and not output:
         raise ValueError("histories are kept beside an output: name it")
     work = Plan(deck, engine, options, names, values, measures, {k - 1 for k in keep})
