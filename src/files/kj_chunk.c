@@ -14,7 +14,7 @@
 #include <zlib.h>
 #include "kj_chunk.h"
 
-enum { SAMPLE = 4096, MOST_STORED = 65535, SLACK = 1024 };
+enum { SAMPLE = 4096, MOST_STORED = 65535, SLACK = 1024, SMALL = 32768 };
 
 size_t kj_chunk_bound(size_t bytes)
 {
@@ -121,7 +121,7 @@ static size_t deflate_fast(size_t n, unsigned char *in, size_t room, unsigned ch
    struct isal_zstream *z = (struct isal_zstream *)(((uintptr_t)work + SLACK - 64 + 63)/64*64);
 
    isal_deflate_stateless_init(z);
-   z->level = 1;
+   z->level = n < SMALL ? 0 : 1;             /* making codes for few bytes takes longer than packing them */
    z->level_buf = (uint8_t *)(z + 1);
    z->level_buf_size = ISAL_DEF_LVL1_DEFAULT;
    z->gzip_flag = IGZIP_DEFLATE;

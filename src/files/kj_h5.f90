@@ -8,10 +8,11 @@
 !> Errors: ERR_FILE, naming what could not be done.
 module kj_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
-   use hdf5, only: hid_t, hsize_t, size_t, h5pset_fapl_core_f, h5open_f, h5dont_atexit_f, &
+   use hdf5, only: hid_t, hsize_t, size_t, h5pset_fapl_core_f, h5pset_cache_f, h5open_f, &
+      h5dont_atexit_f, &
       h5eset_auto_f, h5get_libversion_f, h5fcreate_f, h5fopen_f, h5fclose_f, &
       h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
-      h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5aexists_f, h5screate_f, &
+      h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5screate_f, &
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
       h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
       h5pset_attr_creation_order_f, h5pset_attr_phase_change_f, h5pset_link_phase_change_f, &
@@ -109,8 +110,10 @@ contains
       if (status >= 0) call h5pset_link_creation_order_f(creation, order_flags(), status)
       if (status >= 0) call h5pset_link_phase_change_f(creation, MOST_INLINE, MOST_INLINE/2, status)
       if (status >= 0) call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
-      if (status >= 0 .and. in_memory) &
+      if (status >= 0 .and. in_memory) then        ! its chunks are not written by HDF5
          call h5pset_fapl_core_f(access, CORE_INCREMENT, .false., status)
+         if (status >= 0) call h5pset_cache_f(access, 0, 0_size_t, 0_size_t, 0.0, status)
+      end if
       if (status >= 0) call h5pset_libver_bounds_f(access, oldest, H5F_LIBVER_V18_F, status)
       if (status >= 0) call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
       if (status >= 0) call h5fcreate_f(name, H5F_ACC_TRUNC_F, file, status, creation, access)
@@ -368,16 +371,16 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       integer(hid_t) :: space, attribute
-      logical :: exists
       integer :: status, ignored
 
       if (allocated(error)) return
       attribute = -1
-      space = -1
-      call h5aexists_f(id, name, exists, status)
-      if (status >= 0 .and. exists) call h5adelete_f(id, name, status)
-      if (status >= 0) call make_space(dims, space, status)
+      call make_space(dims, space, status)
       if (status >= 0) call h5acreate_f(id, name, stored, space, attribute, status)
+      if (status < 0) then                         ! there is one of that name
+         call h5adelete_f(id, name, status)
+         if (status >= 0) call h5acreate_f(id, name, stored, space, attribute, status)
+      end if
       if (status >= 0) call h5awrite_f(attribute, memory, values, status)
       if (attribute > 0) call h5aclose_f(attribute, ignored)
       if (space > 0) call h5sclose_f(space, ignored)

@@ -2,6 +2,7 @@
 !> rows come later, through kj_sink_h5.
 !> One file: the layout of the file can be read from the root down to the labels.
 module kj_h5_layout
+   use, intrinsic :: iso_c_binding, only: c_ptr, C_NULL_PTR
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
    use kj_utf8, only: as_utf8, is_plain
@@ -14,8 +15,8 @@ module kj_h5_layout
    use kj_text, only: text_t
    use kj_h5, only: hid_t, close_object, put_text, create_group, has_link, link_to, put_texts, &
       put_number, put_numbers
-   use kj_h5_write, only: make_scale, attach_scale, write_numbers, write_texts, create_series, &
-      write_text
+   use kj_h5_write, only: make_scale, attach_scales, close_scale, write_numbers, write_texts, &
+      create_series, write_text, new_scales, free_scales, list_users
    use kj_version, only: KJOINT_VERSION
    use kj_sha256, only: add_text, digest_of, sha256_t
    implicit none
@@ -32,6 +33,7 @@ module kj_h5_layout
    !> What the datasets of one group share
    type :: group_scope_t
       integer(hid_t) :: group = -1
+      type(c_ptr) :: scales = C_NULL_PTR                       !! that are open, of all groups
       integer(hid_t) :: time = -1, entity = -1                 !! the scales
       integer(hid_t) :: axis = -1, quaternion = -1, axis6 = -1   !! those over components
       integer(hid_t) :: principal = -1                         !! that over principal axes
@@ -210,7 +212,7 @@ contains
          if (allocated(texts(i)%s)) utf8(i)%s = as_utf8(texts(i)%s)
       end do
       call write_texts(scope%group, name, utf8, id, error)
-      call attach_scale(id, scope%entity, 1, 1, error)
+      call attach_scales(scope%scales, id, [scope%entity], error)
       call put_text(id, 'long_name', meaning, error)
       call close_object(id, error)
       if (len(scope%coordinates) > 0) scope%coordinates = scope%coordinates//' '
@@ -227,7 +229,7 @@ contains
       integer(hid_t) :: id
 
       call write_numbers(scope%group, name, AS_I32, [size(values)], real(values, wp), id, error)
-      call attach_scale(id, scope%entity, 1, 1, error)
+      call attach_scales(scope%scales, id, [scope%entity], error)
       call put_text(id, 'units', '1', error)
       call put_text(id, 'long_name', meaning, error)
       call close_object(id, error)
@@ -243,12 +245,9 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       integer(hid_t) :: id
-      integer :: i
 
       call write_numbers(scope%group, name, AS_F64, dims, values, id, error)
-      do i = 1, size(dims)
-         call attach_scale(id, scales(i), i, size(dims), error)
-      end do
+      call attach_scales(scope%scales, id, scales, error)
       call put_text(id, 'units', units, error)
       call put_text(id, 'long_name', meaning, error)
       call close_object(id, error)
@@ -271,6 +270,7 @@ contains
       call find_digests(history, all_input, input)
       call put_root_attributes(file, history, all_input, error)
       root%group = file
+      root%scales = new_scales()
       root%coordinates = ''
       do i = 1, size(history%variable)
          if (history%variable(i)%channel /= CH_TIME) cycle
@@ -283,9 +283,11 @@ contains
          call write_variable(root, history, history%variable(i), n_chunk, series(i), error)
       end do
       do owner = OF_JOINT, OF_SPRING
-         call write_group(file, root%time, history, owner, n_chunk, series, error)
+         call write_group(root, history, owner, n_chunk, series, error)
       end do
-      if (allocated(history%shape%body)) call write_shape(file, history, error)
+      if (allocated(history%shape%body)) call write_shape(root, history, error)
+      call list_users(root%scales, root%time, error)
+      call free_scales(root%scales)
       call write_input(file, history, input, error)
    end subroutine write_layout
 
@@ -342,8 +344,8 @@ contains
    end subroutine put_root_attributes
 
    !> Write the group of one kind of entity; without entities there is none
-   subroutine write_group(file, time, history, owner, n_chunk, series, error)
-      integer(hid_t), intent(in) :: file, time     !! the scale over time
+   subroutine write_group(root, history, owner, n_chunk, series, error)
+      type(group_scope_t), intent(in) :: root
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner, n_chunk
       integer(hid_t), intent(inout) :: series(:)
@@ -353,11 +355,12 @@ contains
       integer :: i
 
       if (n_entity(history, owner) == 0) return
-      call create_group(file, trim(groups(owner)%path), scope%group, error)
-      scope%time = time
+      call create_group(root%group, trim(groups(owner)%path), scope%group, error)
+      scope%time = root%time
+      scope%scales = root%scales
       call put_text(scope%group, 'NX_class', 'NXdata', error)
       call put_signal(scope%group, history, owner, error)
-      if (time >= 0) call link_to(file, '/time', scope%group, 'time', error)
+      if (root%time >= 0) call link_to(root%group, '/time', scope%group, 'time', error)
       call write_scales(scope, history, owner, error)
       call write_constants(scope, history, owner, error)
       do i = 1, size(history%variable)
@@ -365,17 +368,17 @@ contains
          if (history%variable(i)%n_entity == 0) cycle
          call write_variable(scope, history, history%variable(i), n_chunk, series(i), error)
       end do
-      call close_object(scope%entity, error)
-      call close_object(scope%axis, error)
-      call close_object(scope%quaternion, error)
-      call close_object(scope%axis6, error)
-      call close_object(scope%principal, error)
+      call close_scale(scope%scales, scope%entity, error)
+      call close_scale(scope%scales, scope%axis, error)
+      call close_scale(scope%scales, scope%quaternion, error)
+      call close_scale(scope%scales, scope%axis6, error)
+      call close_scale(scope%scales, scope%principal, error)
       call close_object(scope%group, error)
    end subroutine write_group
 
    !> Write the points and segments of the bodies, a group each: tables of their own
-   subroutine write_shape(file, history, error)
-      integer(hid_t), intent(in) :: file
+   subroutine write_shape(root, history, error)
+      type(group_scope_t), intent(in) :: root
       type(history_t), intent(in) :: history
       type(error_t), allocatable, intent(inout) :: error
 
@@ -383,6 +386,7 @@ contains
 
       associate (s => history%shape)
          if (size(s%body) == 0) return
+         scope%scales = root%scales
          call open_table('point', size(s%body))
          call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
          call write_ids(scope, 'body', s%body, 'user id of the rigid body', error)
@@ -390,7 +394,7 @@ contains
          call write_constant(scope, 'position', shape(s%point), reshape(s%point, &
             [size(s%point)]), [scope%axis, scope%entity], unit_text(D_LENGTH, history%units), &
             'from the centre of the body, in its axes: those of the world at t = 0', error)
-         call close_object(scope%axis, error)
+         call close_scale(scope%scales, scope%axis, error)
          call close_table()
          if (size(s%segment, 2) == 0) return
          call open_table('segment', size(s%segment, 2))
@@ -410,7 +414,7 @@ contains
 
          integer :: i
 
-         call create_group(file, name, scope%group, error)
+         call create_group(root%group, name, scope%group, error)
          call write_numbers(scope%group, name, AS_I32, [n], [(real(i, wp), i=0, n - 1)], &
             scope%entity, error)
          call make_scale(scope%entity, name, error)
@@ -419,7 +423,7 @@ contains
       end subroutine open_table
 
       subroutine close_table()
-         call close_object(scope%entity, error)
+         call close_scale(scope%scales, scope%entity, error)
          call close_object(scope%group, error)
       end subroutine close_table
    end subroutine write_shape
@@ -485,7 +489,7 @@ contains
 
       integer, allocatable :: dims(:), chunk(:)
       integer(hid_t), allocatable :: scales(:)
-      integer :: i, rank
+      integer :: rank
 
       call get_row_shape(variable, dims)
       rank = size(dims) + 1
@@ -501,9 +505,7 @@ contains
          scales(rank) = scope%time
          if (rank > 1) scales(rank - 1) = scope%entity
          if (rank == 3) scales(1) = component_scale(scope, variable%n_comp)
-         do i = 1, rank
-            call attach_scale(id, scales(i), i, rank, error)
-         end do
+         call attach_scales(scope%scales, id, scales, error)
       end if
       call put_variable_attributes(id, scope, history, variable%channel, error)
    end subroutine write_variable

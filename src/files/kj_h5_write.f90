@@ -8,18 +8,18 @@ module kj_h5_write
       H5P_DATASET_CREATE_F, H5S_UNLIMITED_F, &
       size_t, h5dwrite_f, h5tclose_f, h5pcreate_f, h5pset_buffer_f, H5P_DATASET_XFER_F, &
       H5T_NATIVE_DOUBLE, H5T_STD_U8LE
-   use h5ds, only: h5dsset_scale_f, h5dsattach_scale_f
+   use h5ds, only: h5dsset_scale_f
    use kj_error, only: error_t
    use kj_h5, only: check, close_object, start_object, file_type, make_space, c_texts, utf8_type
    use, intrinsic :: iso_fortran_env, only: int8, int64
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_int, c_null_char
    use kj_kinds, only: wp
    use kj_text, only: text_t
    implicit none
    private
 
-   public :: create_series, cut_series, make_scale, attach_scale, write_numbers, write_texts, &
-      write_text, write_bytes
+   public :: create_series, cut_series, make_scale, attach_scales, list_users, close_scale, &
+      write_numbers, write_texts, write_text, write_bytes, new_scales, free_scales
 
    integer, parameter :: DEFLATE_LEVEL = 1
 
@@ -27,6 +27,33 @@ module kj_h5_write
    !> third of all work for a small history; here it has room for the values, up to that.
    integer(size_t), parameter :: LEAST_BUFFER = 1024, MOST_BUFFER = 1024*1024, VALUE_BYTES = 16
    integer(hsize_t), parameter :: BYTES_CHUNK = 1024*1024
+
+   interface
+      !> The scales of a file that are open, which datasets use (kj_scale.c); null without memory
+      type(c_ptr) function new_scales() bind(c, name='kj_scales_new')
+         import :: c_ptr
+      end function new_scales
+
+      !> Forget them
+      subroutine free_scales(scales) bind(c, name='kj_scales_free')
+         import :: c_ptr
+         type(c_ptr), value :: scales
+      end subroutine free_scales
+
+      integer(c_int) function kj_scales_attach(scales, set, rank, scale) bind(c)
+         import :: c_int, c_ptr, hid_t
+         type(c_ptr), value :: scales
+         integer(hid_t), value :: set
+         integer(c_int), value :: rank
+         integer(hid_t), intent(in) :: scale(rank)
+      end function kj_scales_attach
+
+      integer(c_int) function kj_scales_end(scales, id) bind(c)
+         import :: c_int, c_ptr, hid_t
+         type(c_ptr), value :: scales
+         integer(hid_t), value :: id
+      end function kj_scales_end
+   end interface
 
 contains
 
@@ -103,19 +130,36 @@ contains
       call check(status, 'make '//name//' a dimension scale', error)
    end subroutine make_scale
 
-   !> Label one dimension of a dataset by a scale. The library counts in file order (1 = slowest),
-   !> this procedure in Fortran order (1 = fastest).
-   subroutine attach_scale(id, scale, dim, rank, error)
-      integer(hid_t), intent(in) :: id, scale
-      integer, intent(in) :: dim, rank
+   !> Label the dimensions of a dataset by scales, the fastest first
+   subroutine attach_scales(scales, id, scale, error)
+      type(c_ptr), intent(in) :: scales            !! that are open
+      integer(hid_t), intent(in) :: id, scale(:)
       type(error_t), allocatable, intent(inout) :: error
 
-      integer :: status
-
       if (allocated(error)) return
-      call h5dsattach_scale_f(id, scale, rank - dim + 1, status)
-      call check(status, 'attach a dimension scale', error)
-   end subroutine attach_scale
+      call check(int(kj_scales_attach(scales, id, size(scale), scale(size(scale):1:-1))), &
+         'attach dimension scales', error)
+   end subroutine attach_scales
+
+   !> A scale has all its datasets: note them in it
+   subroutine list_users(scales, id, error)
+      type(c_ptr), intent(in) :: scales            !! that are open
+      integer(hid_t), intent(in) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      if (allocated(error) .or. id < 0) return
+      call check(int(kj_scales_end(scales, id)), 'list the users of a dimension scale', error)
+   end subroutine list_users
+
+   !> The same, and close it, also after an error
+   subroutine close_scale(scales, id, error)
+      type(c_ptr), intent(in) :: scales            !! that are open
+      integer(hid_t), intent(inout) :: id          !! -1 afterwards
+      type(error_t), allocatable, intent(inout) :: error
+
+      call list_users(scales, id, error)
+      call close_object(id, error)
+   end subroutine close_scale
 
    !> Create a dataset of constant numbers and leave it open
    subroutine write_numbers(parent, name, kind, dims, values, id, error)
