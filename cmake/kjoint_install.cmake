@@ -48,22 +48,25 @@ write_basic_package_version_file(kjoint-config-version.cmake COMPATIBILITY SameM
 install(FILES ${PROJECT_BINARY_DIR}/kjoint-config.cmake
   ${PROJECT_BINARY_DIR}/kjoint-config-version.cmake DESTINATION ${package_dir} COMPONENT development)
 
-# ---- documents, decks, licences: that of kjoint, and that of HDF5 where the program holds it
+# ---- documents, decks, licences: that of kjoint, and those of what the program holds
 install(DIRECTORY decks DESTINATION ${CMAKE_INSTALL_DATADIR}/kjoint COMPONENT docs
   FILES_MATCHING PATTERN "*.rad")
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT docs)
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT docs)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT program)
 if(KJOINT_IO AND KJOINT_STATIC_HDF5 AND KJOINT_HDF5_HAS_ARCHIVES)
-  find_file(KJOINT_HDF5_LICENCE NAMES copyright COPYING LICENSE PATHS /usr/share/doc/libhdf5-dev
-    /usr/share/doc/hdf5 /usr/share/licenses/hdf5 NO_DEFAULT_PATH)
-  mark_as_advanced(KJOINT_HDF5_LICENCE)
-  if(KJOINT_HDF5_LICENCE)
-    install(FILES ${KJOINT_HDF5_LICENCE} DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright.hdf5
-      COMPONENT program)
-  else()
-    message(STATUS "The licence of HDF5 was not found: add it to what you pass on")
-  endif()
+  foreach(name hdf5 lapack aec)
+    string(TOUPPER KJOINT_${name}_LICENCE licence)
+    find_file(${licence} NAMES copyright COPYING LICENSE PATHS /usr/share/doc/lib${name}-dev
+      /usr/share/doc/${name} /usr/share/licenses/${name} NO_DEFAULT_PATH)
+    mark_as_advanced(${licence})
+    if(${licence})
+      install(FILES ${${licence}} DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright.${name}
+        COMPONENT program)
+    else()
+      message(STATUS "The licence of ${name} was not found: add it to what you pass on")
+    endif()
+  endforeach()
 endif()
 
 # ---- pkg-config: kjoint and kjoint-io for Fortran, kjoint-c for C; what the static libraries need
