@@ -12,7 +12,8 @@ module kj_h5_write
    use kj_error, only: error_t
    use kj_h5, only: check, close_object, start_object, file_type, make_space, c_texts, utf8_type
    use, intrinsic :: iso_fortran_env, only: int8, int64
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_int, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_int, c_int64_t, &
+      c_null_char
    use kj_kinds, only: wp
    use kj_text, only: text_t
    implicit none
@@ -41,17 +42,17 @@ module kj_h5_write
       end subroutine free_scales
 
       integer(c_int) function kj_scales_attach(scales, set, rank, scale) bind(c)
-         import :: c_int, c_ptr, hid_t
+         import :: c_int, c_int64_t, c_ptr
          type(c_ptr), value :: scales
-         integer(hid_t), value :: set
+         integer(c_int64_t), value :: set
          integer(c_int), value :: rank
-         integer(hid_t), intent(in) :: scale(rank)
+         integer(c_int64_t), intent(in) :: scale(rank)
       end function kj_scales_attach
 
       integer(c_int) function kj_scales_end(scales, id) bind(c)
-         import :: c_int, c_ptr, hid_t
+         import :: c_int, c_int64_t, c_ptr
          type(c_ptr), value :: scales
-         integer(hid_t), value :: id
+         integer(c_int64_t), value :: id
       end function kj_scales_end
    end interface
 
