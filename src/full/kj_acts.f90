@@ -79,6 +79,15 @@ module kj_acts
       actor_t('/XELEM', '', T, [11, 0, 0, 0], [G, 0, 0, 0], A_BODY, W, 'no strands'), &
       actor_t('/SLIPRING', '', F, [21, 0, 0, 0], [N, 0, 0, 0], A_BODY, W, 'no belts'), &
       actor_t('/RETRACTOR', '', F, [11, 0, 0, 0], [N, 0, 0, 0], A_BODY, W, 'no belts'), &
+      actor_t('/INIVEL', 'NODE', T, [1, 0, 0, 0], [N, 0, 0, 0], ANY_KEPT, E, 'initial velocities node by node'), &
+      actor_t('/RBODY/LAGMUL', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, E, 'a body by multipliers'), &
+      actor_t('/NBCS', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, W, 'conditions node by node'), &
+      actor_t('/BCS/LAGMUL', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, W, 'conditions by multipliers'), &
+      actor_t('/IMPVEL/LAGMUL', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, W, 'velocities by multipliers'), &
+      actor_t('/IMPVEL/FGEO', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, W, 'motion to a final geometry'), &
+      actor_t('/IMPDISP/FGEO', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, W, 'motion to a final geometry'), &
+      actor_t('/INISPRI', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, W, 'forces of springs at the start'), &
+      actor_t('/PRELOAD', '', F, [0, 0, 0, 0], [0, 0, 0, 0], ALL_OF_THEM, W, 'bolts that are tightened'), &
       actor_t('/XREF', '', F, [1, 0, 0, 0], [A_PART, 0, 0, 0], A_BODY, W, 'masses are those of the mesh as it stands')]
 
 contains
@@ -110,13 +119,23 @@ contains
          if (n == 0) cycle
          call append(acts, row, n, pack(draft%body_id%id, all_touched(1:size(draft%body_id%id))))
          call report_header(draft%deck, first, actors(row)%severity, merge('KJ-9428', 'KJ-9426', &
-            actors(row)%severity == SEV_ERROR), trim(actors(row)%name)//' acts on '// &
-            trim(merge('bodies    ', 'kept nodes', any(all_touched(1:))))//': '// &
-            trim(actors(row)%what), str(n)//' of this kind, on '// &
-            str(count(all_touched(1:)))//' bodies')
+            actors(row)%severity == SEV_ERROR), trim(told(row, any(all_touched(1:)))), &
+            str(n)//' of this kind, on '//str(count(all_touched(1:)))//' bodies')
       end do
       call report_springs(draft)
    end subroutine find_acts
+
+   !> What a kind does; of some it is not looked up on what
+   pure function told(row, on_bodies) result(text)
+      integer, intent(in) :: row
+      logical, intent(in) :: on_bodies
+      character(len=100) :: text
+
+      text = trim(actors(row)%name)//' acts on kept nodes: '//actors(row)%what
+      if (on_bodies) text = trim(actors(row)%name)//' acts on bodies: '//actors(row)%what
+      if (actors(row)%whom == ALL_OF_THEM) text = trim(actors(row)%name)// &
+         ' may act on bodies: '//actors(row)%what
+   end function told
 
    !> Springs of laws that are not read, at bodies
    subroutine report_springs(draft)

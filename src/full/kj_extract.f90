@@ -11,7 +11,7 @@ module kj_extract
    use kj_sort, only: find
    use kj_sha256, only: sha256
    use kj_keywords, only: keywords, HEAD_ID, HEAD_TYPE_ID, KW_BEGIN, KW_TITLE, KW_ANALY, &
-      KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, &
+      KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, KW_TH_PART, &
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
       KW_FRAME_NOD
    use kj_deck_text, only: deck_t, line_text, first_card, title_of, report_header, folder_of
@@ -440,7 +440,8 @@ contains
       lost = 0
       at = 0
       do block = 1, draft%deck%n_block
-         if (all(draft%deck%block(block)%keyword /= [KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY])) cycle
+         if (all(draft%deck%block(block)%keyword /= [KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, &
+            KW_TH_PART])) cycle
          call read_th(draft%deck, block, th)
          allocate (there(th%object%n), source=.true.)
          do k = 1, th%object%n
@@ -450,6 +451,9 @@ contains
             else if (draft%deck%block(block)%keyword == KW_TH_SPRING) then
                i = find(draft%elements%id, th%object%value(k))
                if (i > 0) there(k) = keep%spring(i)
+            else if (draft%deck%block(block)%keyword == KW_TH_PART) then
+               i = find(draft%part, th%object%value(k))
+               if (i > 0) there(k) = keep%part(i)
             end if
          end do
          if (any(there) .or. th%all) call write_request(draft%deck, block, th, there, page)
@@ -458,7 +462,7 @@ contains
          deallocate (there)
       end do
       if (lost > 0) call report_header(draft%deck, at, SEV_NOTE, 'KJ-9414', &
-         'requests of nodes and springs that are not in the mechanism are left out', &
+         'requests of nodes, springs and parts that are not in the mechanism are left out', &
          str(lost)//' from here on')
    end subroutine write_requests
 
@@ -470,13 +474,25 @@ contains
       logical, intent(in) :: there(:)
       type(page_t), intent(inout) :: page
 
-      integer :: line
+      character(len=100) :: card
+      integer :: line, k, n
 
       call put_header(page, deck, block)
       do line = deck%block(block)%first, deck%block(block)%last
          if (any(th%object%line(:th%object%n) == line)) then
-            if (any(there .and. th%object%line(:th%object%n) == line)) &
+            if (.not. any(there .and. th%object%line(:th%object%n) == line)) cycle
+            if (deck%block(block)%keyword /= KW_TH_PART) then
                call put_copy(page, deck, line)
+               cycle
+            end if
+            card = ''                            ! of several parts some may be there
+            n = 0
+            do k = 1, th%object%n
+               if (th%object%line(k) /= line .or. .not. there(k)) cycle
+               card(n + 1:n + 10) = integer_field(th%object%value(k))
+               n = n + 10
+            end do
+            call put(page, card(:n))
          else
             call put_copy(page, deck, line)
          end if

@@ -195,6 +195,9 @@ def acts(c):
     both("particles", "warning", "KJ-9426", f"/SPHCEL/2\n{i}{i}\n{i}{i}\n", (1, 200, 2, 1), (1, 200, 2, 201))
     both("rivets", "warning", "KJ-9426", f"/RIVET/2\n{i}{i}{i}\n", (1, 200, 1), (1, 200, 201))
     both("reference mesh", "warning", "KJ-9426", f"/XREF/{{}}\nc\n         0\n", (1,))
+    both("initial velocities", "error", "KJ-9428", f"/INIVEL/NODE/1\nv\n{i}{i}\n", (100, 0), (200, 0))
+    c.says("springs that start with a force", deck("/INISPRI/FULL\n"), "warning", "KJ-9426")
+    c.says("motion to a final geometry", deck("/IMPDISP/FGEO/1\nf\n"), "warning", "KJ-9426")
     c.says("merged bodies", deck("/MERGE/RBODY/1\nm\n" + ints(1, 1, 1, 1, 0) + "\n"), "error", "KJ-9428")
     c.says("plane elements", deck("/QUAD/1\n" + ints(9, 1, 2, 3, 4) + "\n"), "error", "KJ-9428")
     c.says("parts that are rigid", deck(mat="/MAT/LAW13/1"), "error", "KJ-9428")
@@ -234,6 +237,9 @@ def references(c):
         said = c.extract(text, engine=engine + words + "\n")["findings"]
         right = [f["severity"] for f in said if f["id"] == number]
         c.check(words, right[:1] == [severity] if severity else not right, said)
+    c.extract(changed("/TH/SPRING/3\n", "/TH/PART/8\np\nIE\n" + ints(1, 5, 2, 6) + "\n/TH/SPRING/3\n"))
+    mech = (c.work/"mech_0000.rad").read_text()
+    c.check("requests of parts", "/TH/PART/8\np\nIE\n" + ints(5, 6) + "\n" in mech, mech[-900:])
     bridge = "/PART/8\nrubber\n" + ints(2, 2, 0) + "\n/TETRA4/8\n" + ints(50, 1, 2, 11, 12) + "\n"
     loose = changed("/SPRING/5\n", bridge + "/SPRING/5\n")
     c.says("bodies that a joint holds", loose, None, "KJ-9429")
