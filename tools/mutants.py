@@ -32,7 +32,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/model/kj_inertia.f90", "if (input%icog <= 3) body%mass = main + sum(mass)", "if (input%icog <= 3) body%mass = sum(mass)", "unit.test_inertia " + REV),
     ("src/model/kj_islands.f90", "= min(root_a, root_b)", "= max(root_a, root_b)", "unit.test_islands"),
     ("src/model/kj_skew.f90", "third = cross(first, x3 - x1)", "third = cross(x3 - x1, first)", "unit.test_skew " + REV),
-    ("src/model/kj_build_scene.f90", "merge(-i, draft%id(i), draft%id(i) == 0)", "merge(-i, draft%id(i), draft%id(i) == 1)", "bad.text"),
+    ("src/model/kj_build_scene.f90", "if (rows%ints(draft%node%place(i), 1) == 0) then", "if (rows%ints(draft%node%place(i), 1) == 1) then", "bad.text"),
     ("src/model/kj_build_load.f90", "motion%t_stop = min(motion%t_stop, load%t_stop)", "motion%t_stop = max(motion%t_stop, load%t_stop)", "unit.test_build_scene physics parity.SEN01 bad.loads"),
     ("src/model/kj_build_property.f90", "p%cr = merge(0.05_wp, 1.0_wp, draft%legacy)", "p%cr = merge(0.05_wp, 0.5_wp, draft%legacy)", "unit.test_build_property parity.ISP01"),
     ("src/model/kj_attach_joint.f90", "half(2, 1) = half(2, 1) + t(3)*s", "half(2, 1) = half(2, 1) - t(3)*s", "parity.X04 parity.N016 parity.F48"),

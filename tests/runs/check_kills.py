@@ -51,41 +51,46 @@ class Run:
         self.thread.join()
 
 
-def everything(path):
-    """Every dataset, read to its end; attributes too"""
-    found = {}
+def names_of(file):
+    """Every dataset; attributes are read on the way"""
+    names = ["time"]                             # which is visited by another name
 
     def take(name, thing):
         dict(thing.attrs)
         if isinstance(thing, h5py.Dataset):
-            found[name] = thing[()]
+            names.append(name)
 
-    with h5py.File(path) as file:
-        file.visititems(take)
-        take("/", file)
-        take("time", file["time"])           # which was visited by another name
-        found["status"] = file["run"].attrs["status"]
-    return found
+    file.visititems(take)
+    dict(file.attrs)
+    return set(names)
+
+
+def difference(left, whole):
+    """What differs in the rows that there are, read to the end; None if nothing does. And the time of the last"""
+    with h5py.File(left) as found, h5py.File(whole) as wanted:
+        if names_of(found) != names_of(wanted):
+            return f"other datasets: {names_of(found) ^ names_of(wanted)}", None
+        rows = len(found["time"])
+        for name in sorted(names_of(found)):
+            values, of_all = found[name][()], wanted[name]
+            if name.startswith("input/") or not of_all.ndim:
+                continue
+            if of_all.maxshape[0] is None and len(values) < rows:
+                return f"{name} has {len(values)} of {rows} rows", None
+            if not numpy.array_equal(values, of_all[:len(values)], equal_nan=values.dtype.kind == "f"):
+                return f"{name} differs", None
+        if found["run"].attrs["status"] != "RUNNING":
+            return f"status {found['run'].attrs['status']}", None
+        return None, found["time"][-1] if rows else None
 
 
 def complaint(kjoint, left, whole, reached):
     """What is wrong with what a killed run left; None if nothing is"""
-    found = everything(left)
-    if set(found) != set(whole):
-        return f"other datasets: {set(found) ^ set(whole)}"
-    rows = len(found["time"])
-    for name, values in found.items():
-        if name == "status" or name.startswith("input/"):
-            continue
-        expected = whole[name]
-        if values.ndim and len(values) < rows <= len(expected) and len(expected) == len(whole["time"]):
-            return f"{name} has {len(values)} of {rows} rows"
-        if not numpy.array_equal(values, expected[:len(values)], equal_nan=values.dtype.kind == "f"):
-            return f"{name} differs"
-    if found["status"] != "RUNNING":
-        return f"status {found['status']}"
-    if reached > 0 and not (rows and found["time"][-1] >= reached):
-        return f"{rows} rows, the last of {found['time'][-1] if rows else None}, where {reached} was due"
+    wrong, last = difference(left, whole)
+    if wrong:
+        return wrong
+    if reached > 0 and (last is None or last < reached):
+        return f"the last row is of {last}, where {reached} was due"
     told = subprocess.run([kjoint, "info", left], capture_output=True, text=True)
     return told.stderr if told.returncode else None
 
@@ -120,9 +125,11 @@ def main(kjoint, folder, kills):
         deck, out = f"{root}_0000.rad", root.with_suffix(".h5")
         until *= WANTED/undisturbed(kjoint, deck, out, until, sample)
         lasted = undisturbed(kjoint, deck, out, until, sample)
-        whole = everything(out)
+        whole = out.replace(root.with_suffix(".whole.h5"))
+        with h5py.File(whole) as file:
+            all_rows = len(file["time"])
         rows = 0
-        for kill in range(int(kills)):
+        for _ in range(int(kills)):
             out.unlink(missing_ok=True)
             started = time.monotonic()
             run = Run(kjoint, deck, out, until, sample)
@@ -147,7 +154,7 @@ def main(kjoint, folder, kills):
                 failed += 1
             for path in work.glob(out.name + ".*.part"):
                 path.unlink()
-        print(f"{name}: {len(whole['time'])} rows in {lasted:.1f} s, up to {rows} found after {kills} kills", flush=True)
+        print(f"{name}: {all_rows} rows in {lasted:.1f} s, up to {rows} found after {kills} kills", flush=True)
     sys.exit(failed > 0)
 
 
