@@ -27,7 +27,6 @@ from kjoint.variants import Measure, main, parse_vary, plan, read_reference, set
 
 KJOINT, REV01 = sys.argv[1], pathlib.Path(sys.argv[2])
 OPTIONS = dict(until=0.02, sample=1e-3, formulation="legacy")
-WORDS = ["--until", "0.02", "--every", "1e-3", "--formulation", "legacy"]
 FORCE, TURN = "joint/force[900].x:final", "joint/rotation[900].x:max"
 MPIRUN = shutil.which("mpirun")
 
@@ -82,20 +81,21 @@ class Folder(unittest.TestCase):
 
 class Sweeps(Folder):
     def test_variants_are_single_runs_to_the_bit(self):
-        self.finished(subprocess.Popen([KJOINT, "sweep", self.deck, "--vary", "spring=uniform(0,80)", "--vary",
-                                        "stiff=1e5:1e7:50:log", "--sample", "100", "--sobol", "--measure", FORCE, "--measure", TURN,
-                                        *WORDS, "--threads", "2", "-q", "-o", self.folder / "s.csv"],
-                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True))
-        table = self.columns("s.csv")
-        self.assertEqual(100, len(table[TURN]))
-        for k in random.Random(1).sample(range(100), 20):
-            words = ["--until", "0.02", "--sample", "1e-3", "--legacy"]
-            subprocess.run([KJOINT, "run", self.deck, "-q", *words, "-o", self.folder / "one.h5", "--set",
-                            f"spring={table['spring'][k]},stiff={table['stiff'][k]}"], check=True)
-            with self.program():
-                _, force = read_reference(self.folder / "one.h5", FORCE.rpartition(":")[0])
-                _, turn = read_reference(self.folder / "one.h5", TURN.rpartition(":")[0])
-            self.assertEqual((force[-1], turn.max()), (float(table[FORCE][k]), float(table[TURN][k])))
+        for formulation in ("legacy", "consistent"):
+            words = ["--until", "0.02", "--formulation", formulation, "-q"]
+            self.finished(subprocess.Popen([KJOINT, "sweep", self.deck, "--vary", "spring=uniform(0,80)", "--vary",
+                                            "stiff=1e5:1e7:50:log", "--sample", "100", "--sobol", "--measure", FORCE, "--measure", TURN,
+                                            *words, "--every", "1e-3", "--threads", "2", "-o", self.folder / "s.csv"],
+                                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True))
+            table = self.columns("s.csv")
+            self.assertEqual(100, len(table[TURN]))
+            for k in random.Random(1).sample(range(100), 20):
+                subprocess.run([KJOINT, "run", self.deck, *words, "--sample", "1e-3", "-o", self.folder / "one.h5", "--set",
+                                f"spring={table['spring'][k]},stiff={table['stiff'][k]}"], check=True)
+                with self.program():
+                    _, force = read_reference(self.folder / "one.h5", FORCE.rpartition(":")[0])
+                    _, turn = read_reference(self.folder / "one.h5", TURN.rpartition(":")[0])
+                self.assertEqual((force[-1], turn.max()), (float(table[FORCE][k]), float(table[TURN][k])))
 
     def columns(self, name):
         """A CSV file as texts by column."""
