@@ -4,7 +4,7 @@
 !> A state goes with the deck, the version and the options that it was saved with; the rest, such as
 !> the end of the run, may be another one when it is restored.
 module kj_checkpoint
-   use, intrinsic :: iso_fortran_env, only: int8
+   use, intrinsic :: iso_fortran_env, only: int8, int64
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_version, only: KJOINT_VERSION
@@ -22,7 +22,7 @@ module kj_checkpoint
    implicit none
    private
 
-   public :: save_scene, restore_scene
+   public :: save_scene, sign_state, restore_scene
 
    character(len=*), parameter :: KIND = 'kjoint state 2'
 
@@ -36,29 +36,51 @@ module kj_checkpoint
 
 contains
 
-   !> The state of a scene, and the rows that its history has so far
-   subroutine save_scene(options, history, rows, model, scheme, sampler, byte)
+   !> The state of a scene, and the rows that its history has so far. Unsigned, it lacks the sum of
+   !> the deck, which takes longer than many a cycle, until sign_state.
+   subroutine save_scene(options, history, rows, model, scheme, sampler, signed, byte)
       type(run_options_t), intent(in) :: options    !! settled
       type(history_t), intent(in) :: history
       integer, intent(in) :: rows
       type(consistent_model_t), intent(inout) :: model
       type(scheme_t), intent(inout) :: scheme
       type(sampler_t), intent(inout) :: sampler
+      logical, intent(in) :: signed
       integer(int8), allocatable, intent(out) :: byte(:)
 
       type(archive_t) :: archive
       type(head_t) :: head
       real(wp) :: interval
-      integer :: n
+      integer(int64) :: room
+      integer :: n, pass
 
       n = rows
       interval = model%control%sample
-      call new_archive(archive)
-      call new_head(options, history, head)
-      call keep_head(archive, head)
-      call keep_scene(archive, n, interval, model, scheme, sampler)
+      call new_head(options, history, signed, head)
+      room = 0
+      do pass = 1, 2                             ! count, then save
+         call new_archive(archive, room)
+         call keep_head(archive, head)
+         call keep_scene(archive, n, interval, model, scheme, sampler)
+         room = archive%n
+      end do
       call close_archive(archive, byte)
    end subroutine save_scene
+
+   !> Put the sum of the deck into a state that was saved unsigned
+   subroutine sign_state(options, history, byte)
+      type(run_options_t), intent(in) :: options    !! settled
+      type(history_t), intent(in) :: history
+      integer(int8), intent(inout) :: byte(:)
+
+      type(archive_t) :: archive
+      type(head_t) :: head
+
+      call new_head(options, history, .true., head)
+      call new_archive(archive)
+      call keep_head(archive, head)
+      byte(:archive%n) = archive%byte(:archive%n)
+   end subroutine sign_state
 
    !> Restore a state over a scene that was started.
    !>
@@ -81,7 +103,7 @@ contains
 
       rows = 0
       lost = .false.
-      call new_head(options, history, wanted)
+      call new_head(options, history, .true., wanted)
       call open_archive(byte, archive)
       call keep_head(archive, found)
       if (archive%damaged) then
@@ -109,9 +131,10 @@ contains
       end if
    end subroutine restore_scene
 
-   subroutine new_head(options, history, head)
+   subroutine new_head(options, history, signed, head)
       type(run_options_t), intent(in) :: options
       type(history_t), intent(in) :: history
+      logical, intent(in) :: signed              !! with the sum of the deck, else blanks
       type(head_t), intent(out) :: head
 
       type(run_options_t) :: fixed
@@ -131,6 +154,8 @@ contains
       fixed%set = options%set
       fixed%joint = options%joint
       call write_run_options(fixed, head%options)
+      head%deck = repeat(' ', len(digest_of(sum)))
+      if (.not. signed) return
       do i = 1, size(history%input_text)
          if (history%input_role(i)%s /= 'engine') call add_text(sum, history%input_text(i)%s)
       end do

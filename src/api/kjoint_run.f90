@@ -8,7 +8,7 @@ submodule (kjoint) kjoint_run
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
    use kj_forecast, only: refuse_years
    use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after
-   use kj_checkpoint, only: save_scene
+   use kj_checkpoint, only: save_scene, sign_state
    use kj_snapshot, only: OWNER_JOINT
    implicit none
 
@@ -199,7 +199,7 @@ contains
       call monitor%wants_state(ended, wanted)
       if (.not. allocated(left)) then
          if (leaves_path(sim%model%model_t, sim%scheme)) call save_scene(sim%options, &
-            sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, left)
+            sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, .false., left)
       end if
       if (wanted) call keep_state(sim, monitor, status, left, error)
    end subroutine keep_point
@@ -209,17 +209,18 @@ contains
       type(simulation_t), intent(inout) :: sim
       class(monitor_t), intent(inout) :: monitor
       type(run_status_t), intent(inout) :: status
-      integer(int8), allocatable, intent(in) :: left(:)
+      integer(int8), allocatable, intent(inout) :: left(:)
       type(error_t), allocatable, intent(out) :: error
 
       integer(int8), allocatable :: now(:)
 
       call tell(sim, status)
       if (allocated(left)) then
+         call sign_state(sim%options, sim%history, left)
          call monitor%take_state(left, status, error)
       else
          call save_scene(sim%options, sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, &
-            now)
+            .true., now)
          call monitor%take_state(now, status, error)
       end if
    end subroutine keep_state

@@ -27,7 +27,7 @@ contains
    module procedure save_simulation
       call check_started(sim, error)
       if (.not. allocated(error)) call save_scene(sim%options, sim%history, sim%rows, sim%model, &
-         sim%scheme, sim%sampler, state)
+         sim%scheme, sim%sampler, .true., state)
    end procedure save_simulation
 
    module procedure restore_simulation

@@ -16,6 +16,7 @@ module kj_archive
    type :: archive_t
       logical :: saving = .true.                 !! into the bytes, else out of them
       logical :: damaged = .false.
+      logical :: counting = .false.              !! bytes alone: nothing is passed
       integer(int64) :: n = 0                    !! bytes passed
       integer(int8), allocatable :: byte(:)
    end type archive_t
@@ -29,20 +30,30 @@ module kj_archive
 
 contains
 
-   !> An archive to save to
-   pure subroutine new_archive(self)
+   !> An archive to save to. room: the bytes that it will hold, 0 = count them; without, it grows
+   pure subroutine new_archive(self, room)
       type(archive_t), intent(out) :: self
+      integer(int64), intent(in), optional :: room
 
-      allocate (self%byte(4096))
+      if (.not. present(room)) then
+         allocate (self%byte(4096))
+      else
+         allocate (self%byte(room))
+         self%counting = room == 0
+      end if
    end subroutine new_archive
 
    !> What was saved
    subroutine close_archive(self, byte)
-      type(archive_t), intent(in) :: self
+      type(archive_t), intent(inout) :: self
       integer(int8), allocatable, intent(out) :: byte(:)
 
       integer(int64) :: i
 
+      if (self%n == size(self%byte, kind=int64)) then
+         call move_alloc(self%byte, byte)
+         return
+      end if
       allocate (byte(self%n))
       do i = 1, self%n
          byte(i) = self%byte(i)
@@ -85,6 +96,10 @@ contains
       integer(int64) :: i
 
       if (n == 0 .or. self%damaged) return
+      if (self%counting) then
+         self%n = self%n + n
+         return
+      end if
       if (self%n + n > size(self%byte, kind=int64)) then
          self%damaged = .not. self%saving
          if (self%damaged) return
