@@ -181,15 +181,19 @@ contains
       integer, intent(in) :: n
       real(wp), intent(inout) :: a(BLOCK, 21)
 
+      !> where the elements stand
+      integer, parameter :: PLACE(6, 6) = reshape([1, 2, 4, 7, 11, 16, 2, 3, 5, 8, 12, 17, &
+         4, 5, 6, 9, 13, 18, 7, 8, 9, 10, 14, 19, 11, 12, 13, 14, 15, 20, &
+         16, 17, 18, 19, 20, 21], [6, 6])
       real(wp) :: b(BLOCK, 21)
-      integer :: i, l, m, at, p(6), q(6), j
+      integer :: i, l, m, at, p(6), q(6)
 
       b(:n, :) = a(:n, :)
       do l = 1, 6
-         p = [(place(l, j), j=1, 6)]
+         p = PLACE(:, l)
          do m = 1, l
-            q = [(place(m, j), j=1, 6)]
-            at = place(l, m)
+            q = PLACE(:, m)
+            at = PLACE(l, m)
             !$omp simd
             do i = 1, n
                a(i, at) = b(i, p(1))*b(i, q(1)) + b(i, p(2))*b(i, q(2)) + b(i, p(3))*b(i, q(3)) + &
@@ -198,12 +202,5 @@ contains
          end do
       end do
    end subroutine square
-
-   !> Where element (l, m) of a symmetric matrix stands in its lower triangle
-   pure integer function place(l, m)
-      integer, intent(in) :: l, m
-
-      place = max(l, m)*(max(l, m) - 1)/2 + min(l, m)
-   end function place
 
 end module kj_consistent_compliance

@@ -57,17 +57,20 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: i, k
+      integer :: i
 
-      do k = 1, 3
+      associate (p => state%impulse, l => state%angular_impulse, f => state%f, t => state%t, &
+         own_f => state%own_f, own_t => state%own_t)
          !$omp simd
          do i = lo, min(hi, model%n_body)
-            state%impulse(i, k) = state%impulse(i, k) + &
-               0.5_wp*h*(state%f(i, k) - state%own_f(i, k))
-            state%angular_impulse(i, k) = state%angular_impulse(i, k) + &
-               0.5_wp*h*(state%t(i, k) - state%own_t(i, k))
+            p(i, 1) = p(i, 1) + 0.5_wp*h*(f(i, 1) - own_f(i, 1))
+            p(i, 2) = p(i, 2) + 0.5_wp*h*(f(i, 2) - own_f(i, 2))
+            p(i, 3) = p(i, 3) + 0.5_wp*h*(f(i, 3) - own_f(i, 3))
+            l(i, 1) = l(i, 1) + 0.5_wp*h*(t(i, 1) - own_t(i, 1))
+            l(i, 2) = l(i, 2) + 0.5_wp*h*(t(i, 2) - own_t(i, 2))
+            l(i, 3) = l(i, 3) + 0.5_wp*h*(t(i, 3) - own_t(i, 3))
          end do
-      end do
+      end associate
       call kick(model, state, h, lo, hi)
    end subroutine half_kick
 

@@ -85,10 +85,10 @@ contains
       integer, intent(in) :: h, part
       real(wp), intent(out) :: total(N_SUM)
 
-      real(wp) :: f(1, 3), m(1, 3), kn(1), kr(1)
+      integer :: entries(2)
 
-      call sum_rows(1, part_entries(map, h, part) + [0, 1], map%joint, wrench, f, m, kn, kr)
-      total = [f, m, kn, kr]
+      entries = part_entries(map, h, part)
+      call sum_entries(entries(1), entries(2), map%joint, wrench, total)
    end subroutine sum_part
 
    !> Sums of all parts of hubs
@@ -125,65 +125,67 @@ contains
       real(wp), intent(inout) :: kn(lo:), kr(lo:)         !! (>= hi - lo + 1)
 
       real(wp) :: total(N_SUM)
-      integer :: from, to, h, p
+      integer :: lead, h, p, next
 
-      from = lo
-      do h = lower_bound(map%hub, lo), size(map%hub)
-         to = map%hub(h)
-         if (to > hi) exit
-         call sum_rows(to - from, map%first(from:to), map%joint, wrench, f(from:, :), &
-            m(from:, :), kn(from:), kr(from:))
-         total = 0.0_wp
-         do p = map%part(h), map%part(h + 1) - 1
-            total = total + part(:, p)
-         end do
-         f(to, :) = total(1:3)
-         m(to, :) = total(4:6)
-         kn(to) = total(7)
-         kr(to) = total(8)
-         from = to + 1
+      h = lower_bound(map%hub, lo)
+      next = 0
+      if (h <= size(map%hub)) next = map%hub(h)
+      do lead = lo, hi
+         if (lead == next) then
+            total = 0.0_wp
+            do p = map%part(h), map%part(h + 1) - 1
+               total = total + part(:, p)
+            end do
+            h = h + 1
+            if (h <= size(map%hub)) next = map%hub(h)
+         else
+            call sum_entries(map%first(lead), map%first(lead + 1) - 1, map%joint, wrench, total)
+         end if
+         f(lead, 1) = total(1)
+         f(lead, 2) = total(2)
+         f(lead, 3) = total(3)
+         m(lead, 1) = total(4)
+         m(lead, 2) = total(5)
+         m(lead, 3) = total(6)
+         kn(lead) = total(7)
+         kr(lead) = total(8)
       end do
-      call sum_rows(hi - from + 1, map%first(from:hi + 1), map%joint, wrench, f(from:, :), &
-         m(from:, :), kn(from:), kr(from:))
    end subroutine gather_wrenches
 
-   !> Sums over the entries of n rows; row i has first(i) to first(i + 1) - 1
-   pure subroutine sum_rows(n, first, joint, wrench, f, m, kn, kr)
-      integer, intent(in) :: n
-      integer, intent(in) :: first(n + 1)
+   !> Sum over the entries first..last
+   pure subroutine sum_entries(first, last, joint, wrench, total)
+      integer, intent(in) :: first, last
       integer, contiguous, intent(in) :: joint(:)         !! of each entry
       real(wp), contiguous, intent(in) :: wrench(:, :)
-      real(wp), intent(inout) :: f(:, :), m(:, :), kn(:), kr(:)
+      real(wp), intent(out) :: total(N_SUM)
 
       real(wp) :: force(3), moment(3), s, r
       logical :: stiff
-      integer :: row, i, j
+      integer :: i, j
 
       stiff = size(wrench, 1) >= W_KR2
-      do row = 1, n
-         force = 0.0_wp
-         moment = 0.0_wp
-         s = 0.0_wp
-         r = 0.0_wp
-         do i = first(row), first(row + 1) - 1
-            j = abs(joint(i))
-            if (joint(i) > 0) then
-               force = force + wrench(W_FORCE:W_FORCE + 2, j)
-               moment = moment + wrench(W_MOMENT1:W_MOMENT1 + 2, j)
-               if (stiff) s = s + wrench(W_KN1, j)
-               if (stiff) r = r + wrench(W_KR1, j)
-            else
-               force = force - wrench(W_FORCE:W_FORCE + 2, j)
-               moment = moment + wrench(W_MOMENT2:W_MOMENT2 + 2, j)
-               if (stiff) s = s + wrench(W_KN2, j)
-               if (stiff) r = r + wrench(W_KR2, j)
-            end if
-         end do
-         f(row, :) = force
-         m(row, :) = moment
-         kn(row) = s
-         kr(row) = r
+      force = 0.0_wp
+      moment = 0.0_wp
+      s = 0.0_wp
+      r = 0.0_wp
+      do i = first, last
+         j = abs(joint(i))
+         if (joint(i) > 0) then
+            force = force + wrench(W_FORCE:W_FORCE + 2, j)
+            moment = moment + wrench(W_MOMENT1:W_MOMENT1 + 2, j)
+            if (stiff) s = s + wrench(W_KN1, j)
+            if (stiff) r = r + wrench(W_KR1, j)
+         else
+            force = force - wrench(W_FORCE:W_FORCE + 2, j)
+            moment = moment + wrench(W_MOMENT2:W_MOMENT2 + 2, j)
+            if (stiff) s = s + wrench(W_KN2, j)
+            if (stiff) r = r + wrench(W_KR2, j)
+         end if
       end do
-   end subroutine sum_rows
+      total(1:3) = force
+      total(4:6) = moment
+      total(7) = s
+      total(8) = r
+   end subroutine sum_entries
 
 end module kj_lead_map
