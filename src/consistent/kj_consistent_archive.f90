@@ -19,7 +19,7 @@ module kj_consistent_archive
 contains
 
    !> A state that was made for the same model; not here, as each step finds them: mean, final,
-   !> active; lambda of the bound is a place to work
+   !> active, stages; lambda of the bound is a place to work
    subroutine keep_state(self, state)
       type(archive_t), intent(inout) :: self
       type(consistent_state_t), intent(inout) :: state

@@ -1,5 +1,6 @@
 !> Rigid bodies under the consistent formulation: half kicks, the drift by plane rotations, and the
 !> angular velocity that belongs to an angular momentum.
+!> One file: kicks, drifts and what they read of the leads.
 !> Source: docs/theory/consistent.md 2, 3; Dullweber, Leimkuhler, McLachlan, J. Chem. Phys. 107
 !> (1997) 5840.
 module kj_consistent_body
@@ -25,15 +26,19 @@ contains
       real(wp), intent(in) :: h                       !! the whole step
       integer, intent(in) :: lo, hi
 
-      integer :: i, k
+      integer :: i
 
-      do k = 1, 3
+      associate (v => state%v, l => state%l, f => state%f, t => state%t, m => model%inverse_mass)
          !$omp simd
          do i = lo, hi
-            state%v(i, k) = state%v(i, k) + 0.5_wp*h*model%inverse_mass(i)*state%f(i, k)
-            state%l(i, k) = state%l(i, k) + 0.5_wp*h*(model%turns(i)*state%t(i, k))
+            v(i, 1) = v(i, 1) + 0.5_wp*h*m(i)*f(i, 1)
+            v(i, 2) = v(i, 2) + 0.5_wp*h*m(i)*f(i, 2)
+            v(i, 3) = v(i, 3) + 0.5_wp*h*m(i)*f(i, 3)
+            l(i, 1) = l(i, 1) + 0.5_wp*h*(model%turns(i)*t(i, 1))
+            l(i, 2) = l(i, 2) + 0.5_wp*h*(model%turns(i)*t(i, 2))
+            l(i, 3) = l(i, 3) + 0.5_wp*h*(model%turns(i)*t(i, 3))
          end do
-      end do
+      end associate
    end subroutine kick
 
    !> x += h v, and the free rotation of leads lo..hi over h.
@@ -288,7 +293,7 @@ contains
 
       integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
       real(wp) :: q(BLOCK, 4), e(BLOCK, 9)
-      integer :: from, n, i, j, k, r, m
+      integer :: from, n, i, j, k
 
       do from = lo, hi, BLOCK
          n = min(BLOCK, hi - from + 1)
@@ -296,15 +301,14 @@ contains
             q(:n, k) = quat(from:from + n - 1, k)
          end do
          call quaternion_frame(n, q, e)
-         do k = 1, 6
-            r = ROW(k)
-            m = COLUMN(k)
-            !$omp simd private(j)
-            do i = 1, n
-               j = from + i - 1
-               ij(j, k) = real(model%n_end(j), wp)*(model%inverse_inertia(j, 1)*e(i, r)*e(i, m) + &
-                  model%inverse_inertia(j, 2)*e(i, r + 3)*e(i, m + 3) + &
-                  model%inverse_inertia(j, 3)*e(i, r + 6)*e(i, m + 6))
+         !$omp simd private(j, k)
+         do i = 1, n
+            j = from + i - 1
+            do k = 1, 6
+               ij(j, k) = model%n_end(j)*( &
+                  model%inverse_inertia(j, 1)*e(i, ROW(k))*e(i, COLUMN(k)) + &
+                  model%inverse_inertia(j, 2)*e(i, ROW(k) + 3)*e(i, COLUMN(k) + 3) + &
+                  model%inverse_inertia(j, 3)*e(i, ROW(k) + 6)*e(i, COLUMN(k) + 6))
             end do
          end do
       end do
@@ -336,15 +340,18 @@ contains
       real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
 
-      real(wp) :: l(3), psi(3), a, q(4), p(4), s(1), k(1)
+      real(wp) :: l(3), psi(3), a, q(4), p(4), s(1), k(1), e(9)
       integer :: i
 
       do i = lo, hi
          state%poses%x(i, :) = state%poses%x(i, :) + h*state%v(i, :)
          state%poses%d(i, :) = state%poses%d(i, :) + h*state%v(i, :)
          q = state%poses%quat(i, :)
-         l = matmul(state%l(i, :), reshape(columns(q), [3, 3]))
-         psi = midpoint_turn(model%inverse_inertia(i, :), l, h)
+         e = columns(q)
+         l = state%l(i, :)
+         l = [dot_product(l, e(1:3)), dot_product(l, e(4:6)), dot_product(l, e(7:9))]
+         e(1:3) = model%inverse_inertia(i, :)
+         psi = midpoint_turn(e(1:3), l, h)
          a = 0.25_wp*dot_product(psi, psi)
          call turn_coefficients(1, [a], s, k)
          p(1) = 1.0_wp - a*k(1)
@@ -366,13 +373,15 @@ contains
       real(wp), intent(in) :: h
       real(wp) :: psi(3)
 
-      real(wp) :: p(3), miss(3), slope(3, 3), inverse(3, 3), e(3), a2, s(1), k(1), third
+      real(wp) :: p(3), miss(3), slope(3, 3), inverse(3, 3), e(3), once(3), a2, s(1), k(1), &
+         third
       integer :: round, j
       logical :: regular
 
       psi = h*ii*l
       do round = 1, MOST_ROUNDS
-         p = matmul(rotation(-0.5_wp*psi), l)
+         slope = rotation(-0.5_wp*psi)
+         p = matmul(slope, l)
          miss = psi - h*ii*p
          if (maxval(abs(miss)) <= 4.0_wp*epsilon(1.0_wp)*maxval(abs(psi))) return
          a2 = 0.25_wp*dot_product(psi, psi)
@@ -381,12 +390,14 @@ contains
          if (a2 > 1.0e-3_wp) third = (1.0_wp - s(1))/a2
          do j = 1, 3
             e = 0.5_wp*IDENTITY(:, j)
-            e = e - k(1)*cross(0.5_wp*psi, e) + third*cross(0.5_wp*psi, cross(0.5_wp*psi, e))
+            once = cross(0.5_wp*psi, e)
+            e = e - k(1)*once + third*cross(0.5_wp*psi, once)
             slope(:, j) = IDENTITY(:, j) - h*ii*cross(p, e)
          end do
          call inverse3(slope, inverse, regular)
          if (.not. regular) return
-         psi = psi - matmul(inverse, miss)
+         e = matmul(inverse, miss)
+         psi = psi - e
       end do
    end function midpoint_turn
 

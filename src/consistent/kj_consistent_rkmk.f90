@@ -6,7 +6,7 @@ module kj_consistent_rkmk
    use kj_math3, only: cross
    use kj_block, only: BLOCK
    use kj_consistent_dampers, only: count_damping
-   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t, rates_t, stages_t
    use kj_consistent_body, only: spin_velocity, turn_in_space
    use kj_consistent_conditions, only: project_all, keep_rates, motion_targets, WHOLE
    use kj_consistent_load, only: load_power
@@ -19,11 +19,6 @@ module kj_consistent_rkmk
    real(wp), parameter :: NODE(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp]
    real(wp), parameter :: WEIGHT(4) = [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp]/6.0_wp
 
-   !> Rates of one stage, or their weighted sum
-   type :: rates_t
-      real(wp), allocatable :: x(:, :), turn(:, :), v(:, :), l(:, :)   !! (n_lead, 3)
-   end type rates_t
-
 contains
 
    !> From t to t + h. Forces at t must be there (as after any step).
@@ -32,58 +27,81 @@ contains
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
-      type(rates_t) :: stage, total
-      real(wp) :: x(model%n_lead, 3), d(model%n_lead, 3), quat(model%n_lead, 4), &
-         v(model%n_lead, 3), &
-         l(model%n_lead, 3), time, work
-      real(wp) :: mean(size(model%motion)), final(size(model%motion)), there(size(model%motion))
-      logical :: active(size(model%motion))
+      type(stages_t), allocatable :: self
+      real(wp) :: time, work
       integer :: s
 
       state%h = h
       state%by_steps = .false.
-      x = state%poses%x
-      d = state%poses%d
-      quat = state%poses%quat
-      v = state%v
-      l = state%l
+      call move_alloc(state%stages, self)
+      if (.not. allocated(self)) call new_stages(model, self)
+      self%x = state%poses%x
+      self%d = state%poses%d
+      self%quat = state%poses%quat
+      self%v = state%v
+      self%l = state%l
       time = state%time
       work = state%work
-      call motion_targets(model, state, h, mean, final, active)
+      call motion_targets(model, state, h, self%mean, self%final, self%active)
       call keep_rates(model, 1, size(model%hold), state)
-      call zero(model%n_lead, total)
-      call zero(model%n_lead, stage)
+      call clear(self%stage)
+      call clear(self%total)
       do s = 1, 4
          if (s > 1) then
-            call move(model, h*NODE(s), x, d, quat, v, l, stage, state)
+            call move(model, h*NODE(s), self, self%stage, state)
             state%time = time
-            call hold_stage(model, h*NODE(s), time, state, there)
-            call find_forces(model, 0.0_wp, there, active, state)
+            call hold_stage(model, h*NODE(s), time, self, state)
+            call find_forces(model, 0.0_wp, self%there, self%active, state)
          end if
-         call take_rates(model, h*WEIGHT(s), h*NODE(s), state, work, stage)
-         call add(WEIGHT(s), stage, total)
+         call take_rates(model, h*WEIGHT(s), h*NODE(s), state, work, self%stage)
+         call add(WEIGHT(s), self%stage, self%total)
       end do
-      call move(model, h, x, d, quat, v, l, total, state)
+      call move(model, h, self, self%total, state)
       state%cycle = min(state%cycle, huge(state%cycle) - 1) + 1     ! no more can be counted
       state%time = time + h
       state%work = work
-      call project_all(model, final, active, WHOLE, state)
+      call project_all(model, self%final, self%active, WHOLE, state)
       work = state%work
-      call reach_motions(model, h, mean, final, active, state)
+      call reach_motions(model, h, self%mean, self%final, self%active, state)
       state%poses%v = state%v
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
-      state%poses%psi = h*total%turn
+      state%poses%psi = h*self%total%turn
       state%turn = state%turn + state%poses%psi(:model%n_body, :)
-      call find_forces(model, 0.0_wp, final, active, state)
+      call find_forces(model, 0.0_wp, self%final, self%active, state)
       state%work = work
+      call move_alloc(self, state%stages)
    end subroutine rkmk_step
 
-   subroutine zero(n, rates)
+   !> Room for the stages of a scene
+   subroutine new_stages(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(stages_t), allocatable, intent(out) :: self
+
+      allocate (self)
+      associate (n => model%n_lead, m => size(model%motion))
+         allocate (self%x(n, 3), self%d(n, 3), self%quat(n, 4), self%v(n, 3), self%l(n, 3))
+         allocate (self%mean(m), self%final(m), self%there(m), self%between(m), source=0.0_wp)
+         allocate (self%active(m), self%acts(m), source=.false.)
+         call new_rates(n, self%stage)
+         call new_rates(n, self%total)
+      end associate
+   end subroutine new_stages
+
+   subroutine new_rates(n, rates)
       integer, intent(in) :: n
       type(rates_t), intent(out) :: rates
 
-      allocate (rates%x(n, 3), rates%turn(n, 3), rates%v(n, 3), rates%l(n, 3), source=0.0_wp)
-   end subroutine zero
+      allocate (rates%x(n, 3), rates%turn(n, 3), rates%v(n, 3), rates%l(n, 3))
+   end subroutine new_rates
+
+   subroutine clear(rates)
+      type(rates_t), intent(inout) :: rates
+
+      rates%x = 0.0_wp
+      rates%turn = 0.0_wp
+      rates%v = 0.0_wp
+      rates%l = 0.0_wp
+   end subroutine clear
 
    subroutine add(weight, stage, total)
       real(wp), intent(in) :: weight
@@ -96,47 +114,46 @@ contains
       total%l = total%l + weight*stage%l
    end subroutine add
 
-   !> State at t plus h times the rates
-   subroutine move(model, h, x, d, quat, v, l, rates, state)
+   !> State at the start of the step plus h times the rates
+   subroutine move(model, h, self, rates, state)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
-      real(wp), intent(in) :: x(:, :), d(:, :), quat(:, :), v(:, :), l(:, :)
+      type(stages_t), intent(in) :: self
       type(rates_t), intent(in) :: rates
       type(consistent_state_t), intent(inout) :: state
 
       real(wp) :: phi(BLOCK, 3), q(BLOCK, 4)
-      integer :: from, to, n
+      integer :: from, to, n, i
 
-      state%poses%x = x + h*rates%x
-      state%poses%d = d + h*rates%x
-      state%v = v + h*rates%v
-      state%l = l + h*rates%l
+      state%poses%x = self%x + h*rates%x
+      state%poses%d = self%d + h*rates%x
+      state%v = self%v + h*rates%v
+      state%l = self%l + h*rates%l
       do from = 1, model%n_lead, BLOCK
          to = min(from + BLOCK - 1, model%n_lead)
          n = to - from + 1
          phi(:n, :) = h*rates%turn(from:to, :)
-         q(:n, :) = quat(from:to, :)
+         q(:n, :) = self%quat(from:to, :)
          call turn_in_space(n, phi, q)
-         state%poses%quat(from:to, :) = q(:n, :)/spread(norm2(q(:n, :), dim=2), 2, 4)
+         do i = 1, n
+            state%poses%quat(from + i - 1, :) = q(i, :)/norm2(q(i, :))
+         end do
       end do
       state%poses%v = state%v
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
    end subroutine move
 
-   !> Conditions and drives on the velocities of a stage
-   subroutine hold_stage(model, h, time, state, target)
+   !> Conditions and drives on the velocities of a stage; self%there: those of the drives then
+   subroutine hold_stage(model, h, time, self, state)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h                      !! from the start of the step to the stage
       real(wp), intent(in) :: time
+      type(stages_t), intent(inout) :: self
       type(consistent_state_t), intent(inout) :: state
-      real(wp), intent(out) :: target(:)             !! velocities of the drives at the stage
 
-      real(wp) :: mean(size(model%motion))
-      logical :: active(size(model%motion))
-
-      call motion_targets(model, state, h, mean, target, active)
+      call motion_targets(model, state, h, self%between, self%there, self%acts)
       state%time = time + h
-      call project_all(model, target, active, WHOLE, state)
+      call project_all(model, self%there, self%acts, WHOLE, state)
       state%poses%v = state%v
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
    end subroutine hold_stage
@@ -151,7 +168,7 @@ contains
       real(wp), intent(inout) :: work
       type(rates_t), intent(inout) :: stage
 
-      real(wp) :: u(3), w(3)
+      real(wp), dimension(3) :: u, w, once, twice
       integer :: i, b
 
       state%poses%v = state%v
@@ -172,7 +189,9 @@ contains
          u = since*stage%turn(i, :)
          w = state%poses%w(i, :)
          stage%x(i, :) = state%v(i, :)
-         stage%turn(i, :) = w - 0.5_wp*cross(u, w) + cross(u, cross(u, w))/12.0_wp
+         once = cross(u, w)
+         twice = cross(u, once)
+         stage%turn(i, :) = w - 0.5_wp*once + twice/12.0_wp
          stage%v(i, :) = model%inverse_mass(i)*state%f(i, :)
          stage%l(i, :) = merge(0.0_wp, state%t(i, :), model%rests(i))
       end do

@@ -287,7 +287,7 @@ contains
       integer, intent(in) :: b, i
       real(wp) :: rows(27)
 
-      real(wp) :: d(3)
+      real(wp) :: d(3), moment(3)
       integer :: k
 
       associate (b_of => state%joint(b)%block(block_of(i))%b, lane => lane_of(i))
@@ -296,7 +296,8 @@ contains
          d = b_of%apart(lane, :)
       end associate
       do k = 1, 7, 3
-         rows(k + 18:k + 20) = cross(d, rows(k:k + 2)) - rows(k + 9:k + 11)
+         moment = cross(d, rows(k:k + 2))
+         rows(k + 18:k + 20) = moment - rows(k + 9:k + 11)
       end do
    end function rows_of
 
@@ -502,18 +503,28 @@ contains
       integer, intent(in) :: b, i
       real(wp), intent(out) :: s(6, 6, 2)
 
-      real(wp) :: rows(6, 6), g
-      integer :: e, lead
+      real(wp) :: rows(6, 6), p(3, 3), turned(6, 3), sums(2)
+      integer :: e, lead, m, n, k
 
       do e = 1, 2
          lead = model%batch(b)%lead(i, e)
          rows = rows_of_end(model%batch(b), state, b, i, e)
-         g = model%inverse_mass(lead)
-         s(:, :, e) = matmul(rows(:, 1:3), transpose(rows(:, 1:3)))*g
-         rows(:, 4:6) = matmul(rows(:, 4:6), body_matrix(state, lead))
-         s(:, :, e) = s(:, :, e) + matmul(rows(:, 4:6)*spread(model%inverse_inertia(lead, :), 1, &
-            6), &
-            transpose(rows(:, 4:6)))
+         p = body_matrix(state, lead)
+         do k = 1, 3
+            do m = 1, 6
+               turned(m, k) = rows(m, 4)*p(1, k) + rows(m, 5)*p(2, k) + rows(m, 6)*p(3, k)
+            end do
+         end do
+         do n = 1, 6
+            do m = 1, 6
+               sums = 0.0_wp
+               do k = 1, 3
+                  sums(1) = sums(1) + rows(m, k)*rows(n, k)
+                  sums(2) = sums(2) + turned(m, k)*model%inverse_inertia(lead, k)*turned(n, k)
+               end do
+               s(m, n, e) = sums(1)*model%inverse_mass(lead) + sums(2)
+            end do
+         end do
       end do
    end subroutine compliances
 

@@ -12,7 +12,7 @@ module kj_consistent_state
    implicit none
    private
 
-   public :: consistent_model_t, consistent_state_t, row_t, hold_t, kept_t
+   public :: consistent_model_t, consistent_state_t, row_t, hold_t, kept_t, rates_t, stages_t
 
    !> One held or driven direction of a lead
    type :: row_t
@@ -37,6 +37,19 @@ module kj_consistent_state
       !> rotations
       real(wp), allocatable :: work(:, :, :)
    end type kept_t
+
+   !> Rates of one stage of a Runge-Kutta step, or their weighted sum
+   type :: rates_t
+      real(wp), allocatable :: x(:, :), turn(:, :), v(:, :), l(:, :)   !! (n_lead, 3)
+   end type rates_t
+
+   !> What such a step keeps: where it starts, and its motions
+   type :: stages_t
+      type(rates_t) :: stage, total
+      real(wp), allocatable :: x(:, :), d(:, :), quat(:, :), v(:, :), l(:, :)   !! (n_lead, 3 or 4)
+      real(wp), allocatable :: mean(:), final(:), there(:), between(:)   !! (n_motion)
+      logical, allocatable :: active(:), acts(:)
+   end type stages_t
 
    !> The model with the constants of the consistent formulation
    type, extends(model_t) :: consistent_model_t
@@ -97,6 +110,7 @@ module kj_consistent_state
       real(wp), allocatable :: load_force(:, :), load_place(:, :)
       type(gravity_t), allocatable :: field(:)     !! cards of gravity
       type(compliant_t), allocatable :: compliant    !! of that integrator alone
+      type(stages_t), allocatable :: stages          !! of rkmk4 alone, between its steps
       ! ledger
       real(wp) :: work = 0.0_wp                  !! of loads and imposed motion
       logical :: by_steps = .true.               !! work of loads by mean force times displacement

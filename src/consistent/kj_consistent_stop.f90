@@ -58,8 +58,8 @@ contains
       call rub(batch, curves, h, from, n, q, slid, state, lost)
       state%slip_energy(:n) = state%slip_energy(:n) + lost(:n)
       call stop_plain(batch, h, from, n, before, q, state, f)
-      call stop_combined(batch, h, from, n, 1, 3, before, q, state, f)
-      call stop_combined(batch, h, from, n, 4, 6, before, q, state, f)
+      call stop_combined(batch, h, from, n, 0, before, q, state, f)
+      call stop_combined(batch, h, from, n, 3, before, q, state, f)
       call lock(batch, time, h, from, n, before, q, state, f, lost)
    end subroutine add_limits
 
@@ -107,44 +107,53 @@ contains
          k*over*h/max(abs(change), TINY_VALUE))
    end function stop_damping
 
-   !> Combined stops of directions first..last: a potential of the distance from the centre alone,
-   !> with the least radius and the largest stiffness of them
-   pure subroutine stop_combined(batch, h, from, n, first, last, before, q, state, f)
+   !> Combined stops of directions first + 1..first + 3: a potential of the distance from the centre
+   !> alone, with the least radius and the largest stiffness of them
+   pure subroutine stop_combined(batch, h, from, n, first, before, q, state, f)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h
-      integer, intent(in) :: from, n, first, last
+      integer, intent(in) :: from, n, first
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF)
 
-      real(wp) :: d(first:last), reach, over, k
-      logical :: in(first:last)
+      real(wp) :: d(3), reach, radius, over, k, way
+      logical :: in(3)
       integer :: i, j, dof, stiffest
 
       do i = 1, n
          j = from + i - 1
-         associate (lo => batch%limit%lo(j, first:last), hi => batch%limit%hi(j, first:last))
-            in = batch%limit%combined(j, first:last) > 0.0_wp
-            if (.not. any(in)) cycle
-            d = merge(q(i, first:last) - 0.5_wp*(lo + hi), 0.0_wp, in)
-            reach = norm2(d)
-            over = reach - minval(0.5_wp*(hi - lo), mask=in)
-            if (.not. over > 0.0_wp) cycle
-         end associate
-         k = -1.0_wp
-         stiffest = first
-         do dof = first, last
-            if (.not. in(dof) .or. stop_stiffness(batch, j, dof) <= k) cycle
-            k = stop_stiffness(batch, j, dof)
-            stiffest = dof
+         do dof = 1, 3
+            in(dof) = batch%limit%combined(j, first + dof) > 0.0_wp
          end do
+         if (.not. any(in)) cycle
+         d = 0.0_wp
+         radius = huge(1.0_wp)
+         k = -1.0_wp
+         stiffest = first + 1
+         do dof = 1, 3
+            if (.not. in(dof)) cycle
+            associate (lo => batch%limit%lo(j, first + dof), hi => batch%limit%hi(j, first + dof))
+               d(dof) = q(i, first + dof) - 0.5_wp*(lo + hi)
+               radius = min(radius, 0.5_wp*(hi - lo))
+            end associate
+            if (stop_stiffness(batch, j, first + dof) <= k) cycle
+            k = stop_stiffness(batch, j, first + dof)
+            stiffest = first + dof
+         end do
+         reach = norm2(d)
+         over = reach - radius
+         if (.not. over > 0.0_wp) cycle
          d = d/reach
-         f(i, first:last) = f(i, first:last) + k*over*d
+         way = 0.0_wp
+         do dof = 1, 3
+            f(i, first + dof) = f(i, first + dof) + k*over*d(dof)
+            if (in(dof)) state%flag(i, first + dof) = DOF_AT_STOP
+            state%to_round(i, first + dof) = d(dof)
+            way = way + d(dof)*(q(i, first + dof) - before(i, first + dof))
+         end do
          state%stored(i) = state%stored(i) + 0.5_wp*k*over**2
-         where (in) state%flag(i, first:last) = DOF_AT_STOP
-         state%to_round(i, first:last) = d
-         state%c_round(i, last/3) = stop_damping(batch, h, j, stiffest, k, over, &
-            dot_product(d, q(i, first:last) - before(i, first:last)))
+         state%c_round(i, first/3 + 1) = stop_damping(batch, h, j, stiffest, k, over, way)
       end do
    end subroutine stop_combined
 

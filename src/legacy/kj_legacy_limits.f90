@@ -151,12 +151,13 @@ contains
       real(wp), intent(inout) :: f(n), k_eff(n), k_top(n)
       logical, intent(inout) :: acts(n)
 
-      real(wp) :: over(BLOCK), direction(BLOCK)
+      real(wp) :: over(BLOCK), direction(BLOCK), way(BLOCK)
       logical :: nearby(BLOCK), slides(BLOCK), rubs(BLOCK), locked(BLOCK)
       integer :: to, s
 
       to = from + n - 1
       s = merge(1, 2, dof <= 3)
+      way(:n) = qdot*h12
       associate (l => batch%limit, k_block => limit%k_block(:n, s))
          call plain_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), over, direction, nearby)
          call combined_overlap(n, q, l%lo(from:to, dof), l%hi(from:to, dof), &
@@ -164,7 +165,7 @@ contains
          rubs(:n) = has_friction(l%k(from:to, dof), l%slip(from:to, dof), &
             l%slip_curve(from:to, dof))
          call add_friction(n, curves, l%slip_curve(from:to, dof), l%k(from:to, dof), &
-            l%slip(from:to, dof), l%combined(from:to, dof), over, direction, q, qdot*h12, &
+            l%slip(from:to, dof), l%combined(from:to, dof), over, direction, q, way, &
             limit%friction(:n, dof), f, k_eff, k_top, limit%slip_energy(:n), slides, acts)
          where (rubs(:n)) limit%stored(:n) = limit%stored(:n) + &
             0.5_wp*limit%friction(:n, dof)**2/l%k(from:to, dof)

@@ -83,6 +83,18 @@ contains
       if (h > 0.0_wp) rate = m%dq/h
    end function rates
 
+   !> Components of a along axes; matmul would allocate
+   pure function along(a, e) result(b)
+      real(wp), intent(in) :: a(3), e(3, 3)
+      real(wp) :: b(3)
+
+      integer :: k
+
+      do k = 1, 3
+         b(k) = dot_product(a, e(:, k))
+      end do
+   end function along
+
    !> Axes now, and the displacements that are counted step by step; q and e are of the last cycle
    pure subroutine move(batch, world, v, h, i, m)
       type(joint_batch_t), intent(in) :: batch
@@ -106,9 +118,9 @@ contains
          m%e(:, 1) = m%r/max(m%length, LEAST)
       case (SPRING8)
          m%e = reshape(world%skew(batch%skew(i, 1), :), [3, 3])
-         m%q(4:6) = m%q(4:6) + h*matmul(w2 - w1, m%e)
+         m%q(4:6) = m%q(4:6) + h*along(w2 - w1, m%e)
          if (batch%spring(i)%balanced) m%q(1:3) = m%q(1:3) + &
-            h*matmul(v21 - cross(0.5_wp*(w1 + w2), m%r), m%e)
+            h*along(v21 - cross(0.5_wp*(w1 + w2), m%r), m%e)
       case (SPRING13)
          call move_beam(v21, w1, w2, h, m)
       end select
@@ -127,12 +139,12 @@ contains
       twist = 0.5_wp*h*dot_product(w1 + w2, unit(m%r - 0.5_wp*h*v21))
       mid = beam_axes(m%r - 0.5_wp*h*v21, e2, 0.5_wp*twist)
       m%e = beam_axes(m%r, e2, twist)
-      turn = 0.5_wp*h*matmul(w1 + w2, mid)
+      turn = 0.5_wp*h*along(w1 + w2, mid)
       turn(2) = turn(2) + 2.0_wp*atan(0.5_wp*h*dot_product(v21, mid(:, 3))/length)
       turn(3) = turn(3) - 2.0_wp*atan(0.5_wp*h*dot_product(v21, mid(:, 2))/length)
       m%q(2) = m%q(2) - turn(3)*length
       m%q(3) = m%q(3) + turn(2)*length
-      m%q(4:6) = m%q(4:6) + h*matmul(w2 - w1, mid)
+      m%q(4:6) = m%q(4:6) + h*along(w2 - w1, mid)
    end subroutine move_beam
 
    !> Axes with e1 along r: e2 made perpendicular to it, and turned about it

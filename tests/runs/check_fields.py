@@ -9,7 +9,7 @@ from pathlib import Path
 # type, its file, the procedure that keeps it, its file; fields that follow from the model
 KEPT = [
     ("consistent_state_t", "consistent/kj_consistent_state.f90", "keep_state", "consistent/kj_consistent_archive.f90",
-     "mean final active"),
+     "mean final active stages"),
     ("kept_t", "consistent/kj_consistent_state.f90", "keep_kept", "consistent/kj_consistent_archive.f90", ""),
     ("poses_t", "consistent/kj_consistent_matrix.f90", "keep_poses", "consistent/kj_consistent_archive.f90", ""),
     ("consistent_joint_t", "consistent/kj_consistent_batch.f90", "keep_joint", "consistent/kj_consistent_archive.f90", ""),
