@@ -5,6 +5,7 @@ usage: bench_scenes.py SCENE JOINTS ROOT [--until T] [--sample DT]
 
 chain    bodies in a row on spherical joints, the first on a fixed body
 forest   pendulums on revolute joints with a spring, all on one fixed body
+apart    the same, each on a fixed body of its own
 grid     a square sheet of bodies, each joined to its right and upper neighbour: closed loops
 mix      rows of nine bodies with a joint of every type, all on one fixed body
 
@@ -82,6 +83,15 @@ def forest(scene, n):
         scene.join("revolute", foot, top)
 
 
+def apart(scene, n):
+    for k in range(n):
+        x, y = 2.0*(k % 100), 2.0*(k//100)
+        foot, top = scene.triad(x, y, 0), scene.triad(x, y, 0)
+        scene.body(x, y, 0, [foot], 1e3, (1e3, 1e3, 1e3), free=False)
+        scene.body(x + 0.35, y + 0.1, -0.05, [top], 2.0, (0.0263, 0.0473, 0.0564))
+        scene.join("revolute", foot, top)
+
+
 def grid(scene, n):
     side = max(2, round((n/2)**0.5))
     ends = {}
@@ -110,7 +120,7 @@ def mix(scene, n):
             last = right
 
 
-SCENES = {"chain": chain, "forest": forest, "grid": grid, "mix": mix}
+SCENES = {"chain": chain, "forest": forest, "apart": apart, "grid": grid, "mix": mix}
 
 
 def property_cards(number, kind):
