@@ -39,7 +39,9 @@ contains
          call set_run_option(i, trim(o%name), args%value(o%id)%s, options, error)
          if (allocated(error)) return
       end do
-      if (has_threads() .and. min(options%threads, processors()) > 1) call kj_wait_passively()
+      if (has_threads()) then
+         if (min(options%threads, processors()) > 1) call kj_wait_passively()
+      end if
       if (.not. args%given(OPT_LEGACY)) return
       if (all(options%formulation /= ['      ', 'legacy'])) call fail(error, ERR_INPUT, &
          '--legacy does not go with --formulation '//trim(options%formulation))
