@@ -50,7 +50,7 @@ class BodyState:
     units of the deck. Under legacy velocities are half a step older.
 
     >>> import kjoint
-    >>> kjoint.example().model(until=1.0, sample=0.1).start().body("bar").position   # m
+    >>> kjoint.example().model(until=1.0, sample=0.1).start().body("bar").position.round(6) + 0   # m
     array([0.5, 0. , 0. ])
     """
     id: int
@@ -419,7 +419,7 @@ class Model(Handle, Samples):
         """Place of a node now [length].
 
         >>> import kjoint
-        >>> kjoint.example().model(until=1.0, sample=0.1).start().node(2)
+        >>> kjoint.example().model(until=1.0, sample=0.1).start().node(2).round(6) + 0
         array([0.5, 0. , 0. ])
         """
         x = np.empty(3)
@@ -493,7 +493,7 @@ class Model(Handle, Samples):
         >>> import kjoint
         >>> model = kjoint.example().model(until=1.0, sample=0.1).start()
         >>> model.set_body_velocity("bar", (0, 0, 0.5), omega=(0, -1, 0))
-        >>> model.body("bar").omega
+        >>> model.body("bar").omega.round(6) + 0
         array([ 0., -1.,  0.])
         """
         self._call("set_body_velocity", self._id("body", body), _vector(velocity), _vector(omega))

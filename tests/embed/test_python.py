@@ -131,10 +131,11 @@ class Models(unittest.TestCase):
     def test_a_body_that_is_put_elsewhere_strains_its_joint(self):
         # turned by 0.1 about the hinge of REV01: moment Krx*0.1 = 4 about x, nothing else
         model = kjoint.Model(REV01, until=1.0, sample=0.1).start()
-        axis = np.array(model.joint(900).frame)[0]
+        free = kjoint.Model(REV01, formulation="legacy").start()       # without the force of gravity
+        axis = np.array(free.joint(900).frame)[0]
         turn = turned(0.1*axis, np.array([1.0, 0, 0, 0]))
         model.set_body_velocity(2, (0, 0, 0))
-        model.set_body_pose(2, matrix(turn) @ model.body(2).position, turn)
+        model.set_body_pose(2, matrix(turn) @ free.body(2).position, turn)
         joint = model.joint(900)
         np.testing.assert_allclose(joint.displacement, [0, 0, 0, 0.1, 0, 0], atol=1e-12)
         np.testing.assert_allclose(joint.force, [0, 0, 0, 4.0, 0, 0], atol=1e-6)
@@ -148,7 +149,7 @@ class Models(unittest.TestCase):
             model.set_body_velocity(2, np.cross(omega, model.body(2).position), omega)
             if turn < 1:
                 model.step()
-        with self.assertRaisesRegex(kjoint.Error, "body 2 turns by more than 1 rad"):
+        with self.assertRaisesRegex(kjoint.Error, r"body 2 \(2\) turns by more than 1 rad"):
             model.step()
 
     def test_the_limit_is_found_anew_every_eighth_step(self):
