@@ -82,6 +82,9 @@ module kjoint
       integer :: n_island = 0                   !! of a run by islands; 0: all on one step
       integer :: n_part = 1                     !! groups of islands that share a step
       integer :: least_cycle = 0                !! cycles of the part with the fewest
+      integer :: n_halved = 0                   !! steps of compliant that did not converge
+      !> steps that compliant would take for the error of the joints, and that error; 0: none told
+      real(wp) :: compliant_steps = 0.0_wp, compliant_error = 0.0_wp
       integer :: n_sample = 0                   !! rows given to the sink
       integer :: print_every = 100              !! /PRINT: cycles between listing lines
       real(wp) :: wall_solve = 0.0_wp, wall_output = 0.0_wp            !! [s] of wall clock

@@ -7,6 +7,8 @@ submodule (kjoint) kjoint_run
    use kj_give, only: warn_give
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
    use kj_forecast, only: refuse_years
+   use kj_consistent_march, only: COMPLIANT
+   use kj_consistent_compliant_check, only: compliant_steps
    use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after
    use kj_checkpoint, only: save_scene, sign_state
    use kj_snapshot, only: OWNER_JOINT
@@ -65,6 +67,10 @@ contains
       call tell(sim, status)
       call warn_after(sim%model%model_t, sim%scheme, status%warnings)
       call warn_give(sim%model%model_t, sim%history, sim%extremes, status%warnings)
+      if (.not. (allocated(error) .or. sim%scheme%legacy .or. &
+         sim%scheme%integrator == COMPLIANT)) call compliant_steps(sim%model, &
+         sim%extremes%gap%value, sim%extremes%turn%value, status%time, status%compliant_steps, &
+         status%compliant_error)
       status%wall_solve = status%wall_solve + wall_clock() - clock
       clock = wall_clock()
       call monitor%tick(status, ignored)
@@ -331,6 +337,7 @@ contains
          status%internal = now%balance%internal
          status%work = now%work
          status%energy_error = now%energy_error
+         status%n_halved = sim%scheme%march%pace%halvings
          status%t_stop = model%control%t_stop
          status%print_every = model%control%print_every
          status%n_joint = model%n_joint

@@ -30,6 +30,8 @@ module kj_run_command
 
    public :: run_command
 
+   real(wp), parameter :: GAIN = 10.0_wp         !! of compliant over split2: worth a line
+   real(wp), parameter :: COST = 6.0_wp          !! of a step of compliant, in those of split2
    integer, parameter :: STOPPED = 130           !! exit code of a run that its user ended
 
    !> What came of a run
@@ -186,6 +188,8 @@ contains
             counted(s%n_body, 'rigid body', 'rigid bodies')//', '// &
             counted(s%n_node, 'node', 'nodes')//trim(buffer))
          call print_line('   cycles        '//str(s%cycle))
+         if (s%n_halved > 0) call print_line('   halved        '// &
+            counted(s%n_halved, 'step', 'steps')//' that did not converge')
          if (s%n_island > 0) call print_line('   islands       '//islands_text(s))
          write (buffer, '(es12.6,a,es12.6)') s%time, ' of ', s%t_stop
          call print_line('   time          '//trim(buffer))
@@ -195,6 +199,13 @@ contains
          do i = 1, size(outcome%worst)
             call print_line('   '//outcome%worst(i)%s)
          end do
+         if (s%compliant_steps > 0.0_wp .and. s%cycle > GAIN*COST*s%compliant_steps) then
+            write (buffer, '(es8.1)') s%compliant_error
+            call print_line('   --fast        this error in about '// &
+               str(nint(s%compliant_steps))//' steps, '// &
+               str(nint(s%cycle/(COST*s%compliant_steps)))//' times as fast: --error '// &
+               trim(adjustl(buffer)))
+         end if
          write (buffer, '(f12.3,a)') outcome%elapsed, ' s  ('
          call print_line('   wall time     '//trim(adjustl(buffer))// &
                          rate(real(s%cycle, wp)/seconds)//' cycles/s, '// &

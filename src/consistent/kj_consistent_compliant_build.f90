@@ -13,7 +13,7 @@ module kj_consistent_compliant_build
    implicit none
    private
 
-   public :: make_implicit, new_compliant
+   public :: make_implicit, new_compliant, size_of
 
 contains
 

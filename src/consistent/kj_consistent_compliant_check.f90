@@ -5,15 +5,20 @@ module kj_consistent_compliant_check
    use kj_joint_batch, only: is_spring
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_conditions, only: body_matrix
-   use kj_consistent_safe_step, only: compliances, rows_of_end
-   use kj_consistent_compliant_build, only: make_implicit
+   use kj_consistent_safe_step, only: bound_t, new_bound, compliances, rows_of_end
+   use kj_consistent_build, only: new_consistent_state
+   use kj_consistent_compliant_build, only: make_implicit, size_of
    use kj_consistent_compliant_march, only: pace_t, start_pace
    implicit none
    private
 
-   public :: compliant_outlook
+   public :: compliant_outlook, compliant_steps
 
    integer, parameter :: MOST_ROWS = 600         !! of the dense matrix of all blocked rows
+   integer, parameter :: MOST_JOINTS = 10000     !! of a scene that is copied for a word of advice
+   !> error of positions, of the size of the scene, over (turn a step)^2: 1/60 to 1/15 in six
+   !> mechanisms
+   real(wp), parameter :: ERROR_OF_TURN = 1.0_wp/15.0_wp
    real(wp), parameter :: NONE_LEFT = 1.0e-8_wp  !! of a diagonal: the row is one of those before
 
 contains
@@ -53,6 +58,33 @@ contains
       h_springs = huge(1.0_wp)
       if (pace%bound%h < huge(1.0_wp)) h_springs = pace%h_bound
    end subroutine compliant_outlook
+
+   !> Steps in which the integrator would have the error that joints make which give way by `gap`,
+   !> about; 0: it has no advantage that can be told. error: of the size of the scene, for --error
+   subroutine compliant_steps(model, gap, turn, span, steps, error)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: gap, turn, span    !! of a run: largest, fastest turn of a joint, time
+      real(wp), intent(out) :: steps, error
+
+      type(consistent_model_t) :: scene
+      type(consistent_state_t) :: state
+      type(bound_t) :: bound
+      type(pace_t) :: pace
+      real(wp) :: h
+
+      steps = 0.0_wp
+      error = 0.0_wp
+      if (.not. (gap > 0.0_wp .and. turn > 0.0_wp)) return
+      if (any(model%batch%limited) .or. model%n_joint > MOST_JOINTS) return
+      error = gap/max(size_of(model), tiny(gap))
+      scene = model
+      call make_implicit(scene)
+      call new_consistent_state(scene, state)
+      call new_bound(scene, .false., state, bound)
+      h = min(pace%turn, sqrt(error/ERROR_OF_TURN))/turn
+      h = min(h, pace%factor*bound%h, model%control%sample)
+      steps = span/h
+   end subroutine compliant_steps
 
    !> Rows that depend on others: those of B M^-1/2 that Gram-Schmidt leaves nothing of
    subroutine count_redundant(model, state, n, redundant)

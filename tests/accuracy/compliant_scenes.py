@@ -166,6 +166,14 @@ def chain(n, kn=1e6, hubs=1):
     return scene
 
 
+def pair():
+    """A body on a soft ball joint: few steps as it is"""
+    scene = Scene(1e3)
+    ground = scene.body((0, 0, 0), 1, (1, 1, 1), held=True)
+    scene.join(SPHERICAL, ground, scene.body((0.5, 0, 0), 2.0, (0.2, 0.2, 0.2)), (0, 0, 0))
+    return scene
+
+
 def governor(kn=1e7):
     """Flyball governor: a shaft along y that turns with two arms, their balls, links, and a collar on a spring
     and damper; loops in a plane that turns, so every hinge is redundant"""

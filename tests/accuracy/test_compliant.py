@@ -365,6 +365,17 @@ class Limits(unittest.TestCase):
 
 
 class WaysToRun(unittest.TestCase):
+    def test_split2_tells_what_compliant_would_cost(self):
+        """Steps and error of the summary, against a run with that error"""
+        told = scene(scenes.slider_crank(), 0.05, 0.01, integrator="split2")
+        steps, error = re.search(r"--fast +this error in about (\d+) steps, \d+ times as fast: --error (\S+)", told.text).groups()
+        fine = scene(scenes.slider_crank(), 0.05, 0.01, *INF, *FIXED, "--sample", 0.05/4000)
+        fast = scene(scenes.slider_crank(), 0.05, 0.01, *INF, "--error", error)
+        self.assertLess(apart(fast, fine), 1.5e-6)             # F/Kn of its joints, 1e-6 m
+        self.assertLess(fast.cycles, 3 * int(steps))
+        slow = scene(scenes.pair(), 0.05, 0.01, integrator="split2")
+        self.assertNotIn("--fast", slow.text)                  # nothing to gain
+
     def test_threads_give_the_same_bits(self):
         one = scene(scenes.chain(60, hubs=20), 0.2, 0.01)
         two = scene(scenes.chain(60, hubs=20), 0.2, 0.01, "--threads", 2, "--least-share", 1)
