@@ -74,7 +74,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/consistent/kj_consistent_march.f90", "self%limit < merge(START_PART,", "self%limit > merge(START_PART,", "cli.restart"),
     ("src/consistent/kj_consistent_march.f90", "      self%start_end = state%time\n", "", "python_api"),
     ("src/consistent/kj_consistent_march.f90", "call close_ledger(s - state%s0, state)", "call close_ledger(s + state%s0, state)", "accuracy.ledger cli.run"),
-    ("src/consistent/kj_consistent_march.f90", "state%scale = max(state%scale, state%energy + abs(state%work))", "state%scale = max(state%scale, state%energy)", "physics accuracy.ledger"),
+    ("src/consistent/kj_consistent_march.f90", "state%scale = max(state%scale, state%energy + abs(state%work))", "state%scale = max(state%scale, state%energy)", "unit.test_consistent_march"),
     ("src/consistent/kj_consistent_chart.f90", "h1 = 0.5_wp*(d(i, 1)*y(i, 1)", "h1 = 0.5_wp*(d(i, 2)*y(i, 1)", "accuracy.ledger physics unit.test_consistent_springs"),
     # history
     ("src/history/kj_sample.f90", "y = merge(1.0_wp, 0.0_wp, final)", "y = merge(0.0_wp, 1.0_wp, final)", "layout cli.run physics"),
