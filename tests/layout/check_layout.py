@@ -171,6 +171,9 @@ class Checker:
 
     def check_labels(self, item, path, wanted):
         found = (item.name.rsplit("/", 1)[1],) if item.is_scale else self.labels(item)
+        for i, dim in enumerate(() if item.is_scale else item.dims):
+            self.expect(all(h5py.h5ds.is_attached(item.id, scale.id, i) for scale in dim.values()), path,
+                        f"the scale of dimension {i} does not list it")
         return self.expect(found == wanted, path, f"dimensions are labelled {found}, not {wanted}")
 
     def check_series(self, file, item, path, entity):
