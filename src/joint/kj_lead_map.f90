@@ -121,8 +121,8 @@ contains
       real(wp), contiguous, intent(in) :: wrench(:, :)    !! (rows of one, n_joint)
       real(wp), intent(in) :: part(:, :)         !! (N_SUM, parts), see sum_hubs
       integer, intent(in) :: lo, hi
-      real(wp), intent(inout) :: f(lo:, :), m(lo:, :)     !! (>= hi - lo + 1, 3), W
-      real(wp), intent(inout) :: kn(lo:), kr(lo:)         !! (>= hi - lo + 1)
+      !> (>= hi - lo + 1, 3), W, and (>= hi - lo + 1)
+      real(wp), contiguous, intent(inout) :: f(lo:, :), m(lo:, :), kn(lo:), kr(lo:)
 
       real(wp) :: total(N_SUM)
       integer :: lead, h, p, next
