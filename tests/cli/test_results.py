@@ -174,18 +174,20 @@ class Worst(Program):
     sqrt(3 g/L) = 5.425 rad/s and the hinge holds 2.5 m g = 36.79 N, which Kn 1e6 N/m gives 3.68e-5 m for."""
 
     DECK = SOURCE / "decks" / "revolute_pendulum_0000.rad"
-    BOTTOM, FORCE, ARM = 0.25*1.9333*3, 36.7875, 0.5       # third time at the bottom: 3/4 of the period
+    FORCE, ARM = 36.7875, 0.5
+    BOTTOM = [(0.25 + 0.5*k)*1.9333 for k in range(3)]     # three times alike: 0.483, 1.450, 2.417 s
 
     def short(self):
         pass
 
     def test_run_and_info_name_joint_time_and_force(self):
         said = self.kjoint("run", self.DECK, "-o", "a.h5").stdout
+        at = r"at t = (0\.48\d?|1\.45|2\.4[12])"
         for line in (r"time step     8\.0+E-05  hinge \(901\)",
-                     r"largest gap   3\.68e-5 m  hinge \(901\) at t = 1\.45, force 36\.8 N",
+                     rf"largest gap   3\.68e-5 m  hinge \(901\) {at}, force 36\.8 N",
                      r"half of it    Kn 2e6 instead of 1e6 N/m: 41 % more cycles",
-                     r"peak force    36\.8 N  hinge \(901\) at t = 1\.45",
-                     r"fastest turn  5\.42 rad/s  hinge \(901\) at t = 1\.45"):
+                     rf"peak force    36\.8 N  hinge \(901\) {at}",
+                     rf"fastest turn  5\.42 rad/s  hinge \(901\) {at}"):
             self.assertRegex(said, line)
         again = self.kjoint("info", "a.h5").stdout
         for line in said.splitlines()[6:11]:
@@ -193,7 +195,7 @@ class Worst(Program):
         worst = json.loads(self.kjoint("info", "--json", "a.h5").stdout)["worst"]
         self.assertLess(abs(worst["force"]["value"]/self.FORCE - 1), 1e-3)
         self.assertLess(abs(worst["gap"]["value"]*1e6/self.FORCE - 1), 1e-3)
-        self.assertLess(abs(worst["force"]["time"]/self.BOTTOM - 1), 2e-3)
+        self.assertLess(min(abs(worst["force"]["time"]/t - 1) for t in self.BOTTOM), 3e-3)
         self.assertEqual("hinge (901)", worst["gap"]["name"])
         # of 1.57 rad - (-0.02 rad) of the door it is the upper stop that is passed
         door = json.loads(self.kjoint("run", "--json", SOURCE / "decks" / "door_hinge_0000.rad").stdout)
