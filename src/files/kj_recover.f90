@@ -8,7 +8,8 @@ module kj_recover
    use kj_channels, only: AS_I32, AS_I64, CH_CYCLE
    use kj_history, only: history_t
    use kj_system, only: remove_file
-   use kj_output, only: begin_output, end_output, copy_to, find_part, is_written
+   use kj_output, only: begin_output, end_output, copy_to, find_part, is_written, &
+      is_locked
    use kj_h5, only: hid_t, start_hdf5, open_file, close_file, close_object, put_text, put_number
    use kj_h5_read, only: open_object
    use kj_h5_store, only: clear_marks
@@ -26,7 +27,7 @@ module kj_recover
 contains
 
    !> Put a history right; `told` says what was done, a line each, or that nothing was.
-   !> Errors: ERR_FILE when a run is writing it, when it is no history, or has no row
+   !> Errors: ERR_FILE when somebody is writing it, when it is no history, or has no row
    subroutine recover_history(path, told, error)
       character(len=*), intent(in) :: path
       character(len=:), allocatable, intent(out) :: told
@@ -42,8 +43,11 @@ contains
       if (source == '') source = path
       if (is_written(source)) then
          call fail(error, ERR_FILE, 'a run is writing '//source)
-         return
+      else if (is_locked(source)) then
+         call fail(error, ERR_FILE, &
+            'another program holds '//source//' open for writing, with a lock')
       end if
+      if (allocated(error)) return
       call begin_output(path, [text_t ::], place, part, error)
       if (allocated(error)) return
       call copy_to(source, part, error)

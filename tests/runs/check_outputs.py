@@ -308,6 +308,8 @@ class Life(Commands):
             file.seek(place + 40)
             file.write(bytes(200))
         self.do("info", "z.h5", code=FILE)
+        with h5py.File(self.folder / "sound.h5", "a"):
+            self.assertIn("another program holds sound.h5 open", self.do("recover", "sound.h5", code=FILE))
         self.do("recover", "z.h5", code=FILE)                # its first chunk: there is no row left
 
 
