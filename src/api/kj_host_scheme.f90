@@ -14,6 +14,7 @@ module kj_host_scheme
    use kj_consistent_batch, only: frame_of
    use kj_consistent_build, only: build_consistent_model, new_consistent_state
    use kj_consistent_auto_stiffness, only: start_scene
+   use kj_consistent_ready, only: set_damping
    use kj_consistent_step, only: find_forces
    use kj_consistent_conditions, only: body_matrix
    use kj_consistent_safe_step, only: new_bound, renew_bound, has_moved
@@ -76,6 +77,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: attitude(:, :)
 
+      real(wp) :: fastest
       integer :: i
 
       associate (n => set%model%n_lead)
@@ -86,6 +88,7 @@ contains
             call build_consistent_model(set%model)
             call drop_constants(set)
             call new_consistent_state(set%model, set%cs, lean=.not. reads_nodes(set))
+            call set_damping(set%model, set%cs, fastest)
          end if
          deallocate (set%model%v0, set%model%w0, set%cs%impulse, set%cs%angular_impulse, &
             set%cs%turn)

@@ -290,6 +290,7 @@ class Elements(unittest.TestCase):
         q = np.array([[1.0, 0, 0, 0]]*2)
         v[1], w[1] = model.body(2).velocity, model.body(2).omega
         joints.take(model, [100, 200], q)
+        q[1] = model.body(2).attitude             # where the joint bears its force, as the model
         for cycle in range(round(until/h)):
             f, m = np.zeros((2, 3)), np.zeros((2, 3))
             f[1, 2] = -9.81*2
