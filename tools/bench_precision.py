@@ -15,7 +15,7 @@ import compliant_scenes as scenes
 
 TARGETS = (1e-3, 1e-5)
 SCENES = {"bricard": (scenes.bricard, 1.0), "four-bar": (scenes.four_bars, 0.7), "slider-crank": (scenes.slider_crank, 1.0),
-          "chain of 50": (lambda: scenes.chain(50), 0.3)}
+          "governor": (scenes.governor, 1.0), "chain of 50": (lambda: scenes.chain(50), 0.3)}
 SAMPLES, FINE = 20, 20000
 SETTINGS = {"compliant": [["--integrator", "compliant", "--kn", "inf", "--error", f"{10**(-k/2):.2e}"] for k in range(2, 16)],
             "split2": [["--kn-scale", f"{10.0**k:.0e}"] for k in range(-2, 4)]}

@@ -251,8 +251,9 @@ contains
 
    !> Blocked rotations: KR = Kn max(SCF L^2, L0^2), L0 the distance of the nodes, L a lever of the
    !> bodies: LEVERS radii of inertia about the node, but no more than a metre, unless one radius is
-   !> more; of two bodies that move the larger. A metre where none moves. So the unit of length
-   !> does not matter. Source: docs/theory/joints.md 8.2.
+   !> more; of two bodies that move the larger. A metre where none moves. So the unit of length does
+   !> not matter. Nodes of a host are no bodies: theirs stays as it is.
+   !> Source: docs/theory/joints.md 8.2.
    pure subroutine set_rotations(model, batch)
       type(consistent_model_t), intent(in) :: model
       type(joint_batch_t), intent(inout) :: batch
@@ -260,7 +261,7 @@ contains
       real(wp) :: metre, square, radius, kr, arm(3)
       integer :: i, e, dof, lead, free
 
-      if (all(joint_types(batch%row)%free(4:6) == 1)) return
+      if (all(joint_types(batch%row)%free(4:6) == 1) .or. .not. allocated(model%body_name)) return
       free = findloc(joint_types(batch%row)%free(1:3), 0, 1)
       if (free == 0) return
       metre = 1.0_wp/model%units%si(2)
