@@ -49,7 +49,7 @@ def measure(kjoint, folder, n, large):
     run = ["--until", UNTIL, "-q"]
     sweep = [kjoint, "sweep", deck, *run, "--every", EVERY, "--table", folder / "all.csv", "--measure", "joint/force[1].norm:max"]
     times = {}
-    times["loop"] = timed(*([kjoint, "run", deck, *run, "--sample", EVERY, "--set", f"stiff={1e6 + 10*k}", "-o", folder / f"{k % 2}.h5"]
+    times["loop"] = timed(*([kjoint, "run", deck, *run, "--sample", EVERY, "--set", f"stiff={1e6 + 10*k}", "-o", folder / f"{k}.h5"]
                             for k in range(n)), at_a_time=2)
     times["sweep"] = timed([*sweep, "--threads", 2, "-o", folder / "s.csv"])
     with open(folder / "s.csv") as file:
