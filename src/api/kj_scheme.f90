@@ -188,7 +188,7 @@ contains
       self%march%most = model%control%dt_max
       if (model%control%dt_ini > 0.0_wp) self%march%first = model%control%dt_ini
       call start_march(model, self%state, self%march)
-      if (self%islands) call cut_scene(model, self%state, self%march, self%n_island, self%part)
+      if (self%islands) call cut_scene(model, self%march, self%n_island, self%part)
    end subroutine start_consistent
 
    !> The time of the next sample, once one is due. It does not look at the end of the run: a run

@@ -12,10 +12,10 @@ module kj_consistent_auto_stiffness
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: LAW_SPRING, LAW_DAMPER
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_build, only: build_consistent_model, new_consistent_state, settle
+   use kj_consistent_build, only: build_consistent_model, new_consistent_state
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_consistent_impact_step, only: step_factor
-   use kj_consistent_ready, only: set_damping, bear_forces
+   use kj_consistent_ready, only: begin_scene
    implicit none
    private
 
@@ -37,8 +37,6 @@ contains
       type(consistent_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: w2
-
       call build_consistent_model(model)
       call new_consistent_state(model, state)
       if (any_automatic(model)) then
@@ -46,9 +44,7 @@ contains
          if (allocated(error)) return
          call new_consistent_state(model, state)
       end if
-      call set_damping(model, state, w2)
-      if (.not. rigid) call bear_forces(model, w2, state)
-      call settle(model, state)
+      call begin_scene(model, rigid, state)
    end subroutine start_scene
 
    !> Automatic stiffness from the step that the scene is to take

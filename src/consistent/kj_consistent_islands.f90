@@ -14,7 +14,8 @@ module kj_consistent_islands
    use kj_islands, only: find_islands, element_leads, island_steps
    use kj_cut_model, only: cut_t, cut_model
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_build, only: build_consistent_model, new_consistent_state, settle
+   use kj_consistent_build, only: build_consistent_model, new_consistent_state
+   use kj_consistent_ready, only: begin_scene
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_march, only: march_t, start_march, march, balance_ledger, close_ledger, &
       COMPLIANT
@@ -42,9 +43,8 @@ module kj_consistent_islands
 contains
 
    !> Cut a scene that stands at its start
-   subroutine cut_scene(model, state, whole, n_island, part)
+   subroutine cut_scene(model, whole, n_island, part)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
       type(march_t), intent(in) :: whole         !! march of the scene, started
       integer, intent(out) :: n_island
       !> shortest step first; empty for a scene that is best kept in one
@@ -82,7 +82,7 @@ contains
          end if
          call cut_model(model%model_t, leads, home == p, of_element == p, part(p)%cut, &
             part(p)%model%model_t)
-         call start_part(model, state, whole, part(p))
+         call start_part(whole, part(p))
       end do
    end subroutine cut_scene
 
@@ -145,35 +145,16 @@ contains
       end subroutine add_skew
    end subroutine find_leads
 
-   !> Constants, first state and first limit of a part. Stiffness and damping of joints stay what
-   !> the whole scene gave: islands change the steps, not the scene.
-   subroutine start_part(model, state, whole, part)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
+   !> Constants, first state and first limit of a part. Stiffness that joints took from the step
+   !> stays what the whole scene gave: islands change the steps, not the scene.
+   subroutine start_part(whole, part)
       type(march_t), intent(in) :: whole
       type(part_t), intent(inout) :: part
 
-      integer :: b, from
-
       call build_consistent_model(part%model)
-      from = 0
-      do b = 1, size(part%model%batch)
-         associate (new => part%model%batch(b), old => model%batch(part%cut%batch(b)))
-            associate (rows => part%cut%element(from + 1:from + new%n) - old%first)
-               from = from + new%n
-               new%c = old%c(rows, :)
-            end associate
-         end associate
-      end do
-      if (whole%integrator == COMPLIANT) call make_implicit(part%model)
       call new_consistent_state(part%model, part%state)
-      associate (poses => part%state%poses, lead => part%cut%lead)
-         poses%x = state%poses%x(lead, :)        ! those that bear the first forces
-         poses%d = state%poses%d(lead, :)
-         poses%quat = state%poses%quat(lead, :)
-         part%state%l = state%l(lead, :)
-      end associate
-      call settle(part%model, part%state)
+      call begin_scene(part%model, whole%pace%rigid, part%state)
+      if (whole%integrator == COMPLIANT) call make_implicit(part%model)
       part%march%pace%rigid = whole%pace%rigid
       part%march%pace%tolerance = whole%pace%tolerance
       part%march%pace%turn = whole%pace%turn

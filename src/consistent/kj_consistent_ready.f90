@@ -1,6 +1,6 @@
 !> A scene made ready to start: damping of blocked directions from the masses that they meet, and
 !> poses in which the joints bear the first forces, so that none begins to ring.
-!> Source: docs/theory/consistent.md 14.
+!> Source: docs/theory/consistent.md 15.
 module kj_consistent_ready
    use kj_kinds, only: wp
    use kj_math3, only: to_quaternion, rotation, cross
@@ -8,6 +8,7 @@ module kj_consistent_ready
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: is_spring, LAW_SPRING
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_build, only: settle
    use kj_consistent_body, only: inverse_inertias, spin_velocity, columns
    use kj_consistent_compliance, only: end_inertias, compliance
    use kj_consistent_compliant_types, only: compliant_t
@@ -19,15 +20,29 @@ module kj_consistent_ready
    implicit none
    private
 
-   public :: set_damping, bear_forces
+   public :: set_damping, begin_scene
 
    real(wp), parameter :: PIVOT = 1.0e-12_wp     !! of a diagonal entry: below it nothing moves
-   real(wp), parameter :: STIFF = 1.0e10_wp      !! (h w)^2 of the stiffest row of the first forces
+   real(wp), parameter :: STIFF = 1.0e8_wp       !! (h w)^2 of the stiffest row of the first forces: what it
+                                                 !! leaves out, 1/STIFF, is what rounding takes
    real(wp), parameter :: FIRST_STEP = 10.0_wp   !! h w of that row with its own stiffness
    real(wp), parameter :: ALIKE = 0.05_wp        !! forces of two steps: else velocities jump
    real(wp), parameter :: FAR = 0.01_wp          !! of the scene, of a radian: no first forces
 
 contains
+
+   !> Damping, poses in which joints bear the first forces, velocities that obey conditions
+   subroutine begin_scene(model, rigid, state)
+      type(consistent_model_t), intent(inout) :: model
+      logical, intent(in) :: rigid               !! joints that need no way to bear a force
+      type(consistent_state_t), intent(inout) :: state    !! new
+
+      real(wp) :: w2
+
+      call set_damping(model, state, w2)
+      if (.not. rigid) call bear_forces(model, w2, state)
+      call settle(model, state)
+   end subroutine begin_scene
 
    !> c = Cr sqrt(K m) of blocked directions, m what moves along one while the others of the joint
    !> hold: 1/m is a pivot of B M^-1 B^T, the last one. w2: largest K/m of a row alone.
@@ -54,6 +69,7 @@ contains
                      ij2(i, :) = ij2(i, :)/ends(2)
                   end associate
                end do
+               state%joint(b)%block((from - 1)/BLOCK + 1)%fd = 0.0_wp   ! by another damping
                call compliance(n, ALL_DOFS, state%joint(b)%block((from - 1)/BLOCK + 1)%b, im, ij1, &
                   ij2, s)
                do i = 1, n

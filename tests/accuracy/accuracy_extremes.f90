@@ -329,7 +329,7 @@ contains
          call write_deck(deck, 'whole')
          call run_deck('whole', options, run)
          if (i == 2) call holds(check, 'whole turn, spring: an error', .not. run%good .and. &
-            index(run%message, 'joint 901 has come to a whole turn') > 0)
+            index(run%message, '(901) has come to a whole turn') > 0)
          if (i == 2) cycle
          call holds(check, 'whole turn: runs', run%good)
          if (.not. run%good) cycle
@@ -419,7 +419,7 @@ contains
          if (owner == 3) call holds(check, 'loose: KJ-9216', run%status%warnings%n == 1)
          if (owner == 3 .and. run%status%warnings%n == 1) call holds(check, 'loose: names the joint', &
             run%status%warnings%item(1)%id == 'KJ-9216' .and. &
-            index(run%status%warnings%item(1)%message, 'joint 901 ') > 0)
+            index(run%status%warnings%item(1)%message, '(901) ') > 0)
       end do
    end subroutine check_loose
 

@@ -156,7 +156,8 @@ def of_number(file, group, number):
 def alone(scenes):
     """Two pendulums, one 30 times stiffer: each as in a deck of its own, to the bit."""
     bars = [Bar(2, kn=1e6), Bar(3, kn=3e7, spin=(0, 0, 2.0))]
-    for options in ((), ("--integrator", "liemid"), ("--dt-scale", "0.3", "--integrator", "rkmk4"),
+    # bar 3 starts with a shock that rings, damped by a quarter of its mass: the loss of rkmk4 goes as h^5
+    for options in ((), ("--integrator", "liemid"), ("--dt-scale", "0.25", "--integrator", "rkmk4"),
                     ("--dt-rule", "nodal")):
         tag = options[-1] if options else "split2"
         both, said = scenes.run(f"both_{tag}", starter(bars), "--islands", *options)

@@ -351,7 +351,9 @@ def scale_roles(block):
 
 def main():
     kjoint, work, mode = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]), sys.argv[3]
-    names = sys.argv[4:] or sorted(p.name[:-9] for p in DECKS.glob("*_0000.rad"))
+    # the value of a parameter begins where its & stands and has no units: such decks stay as they are
+    names = sys.argv[4:] or sorted(p.name[:-9] for p in DECKS.glob("*_0000.rad")
+                                   if "/PARAMETER" not in p.read_text())
     failed = 0
     for name in names:
         starter = (DECKS / f"{name}_0000.rad").read_text()
