@@ -23,8 +23,8 @@ module kj_consistent_ready
    public :: set_damping, begin_scene
 
    real(wp), parameter :: PIVOT = 1.0e-12_wp     !! of a diagonal entry: below it nothing moves
-   real(wp), parameter :: STIFF = 1.0e8_wp       !! (h w)^2 of the stiffest row of the first forces: what it
-                                                 !! leaves out, 1/STIFF, is what rounding takes
+   ! (h w)^2 of the stiffest row of the first forces: 1/STIFF, left out, is what rounding takes
+   real(wp), parameter :: STIFF = 1.0e8_wp
    real(wp), parameter :: FIRST_STEP = 10.0_wp   !! h w of that row with its own stiffness
    real(wp), parameter :: ALIKE = 0.05_wp        !! forces of two steps: else velocities jump
    real(wp), parameter :: FAR = 0.01_wp          !! of the scene, of a radian: no first forces
