@@ -330,7 +330,7 @@ contains
       allocate (report%bridge(0))
       do part = 1, size(draft%part_block)
          if (seen%n_spanning(part) == 0) cycle
-         b = bridge_t()
+         b = bridge_t(title=text_t())
          b%part = draft%deck%block(draft%part_block(part))%id
          b%n = seen%n_spanning(part)
          b%title%s = title_of(draft%deck, draft%part_block(part))
