@@ -22,11 +22,12 @@ module kj_extremes
 
    !> Of all rows seen so far
    type :: extremes_t
-      type(extreme_t) :: gap                     !! blocked displacement
-      type(extreme_t) :: gap_rot                 !! blocked rotation [rad]
-      type(extreme_t) :: force, moment
-      type(extreme_t) :: turn                    !! angular velocity of end 2 relative to end 1
-      type(extreme_t) :: margin, margin_rot      !! least way to a stop; below 0 beyond it
+      type(extreme_t) :: gap = extreme_t()       !! blocked displacement
+      type(extreme_t) :: gap_rot = extreme_t()   !! blocked rotation [rad]
+      type(extreme_t) :: force = extreme_t(), moment = extreme_t()
+      type(extreme_t) :: turn = extreme_t()      !! angular velocity of end 2 relative to end 1
+      !> Least way to a stop; below 0 beyond it
+      type(extreme_t) :: margin = extreme_t(), margin_rot = extreme_t()
       !> (2, joints) largest blocked displacement and rotation of each
       real(wp), allocatable :: give(:, :)
    end type extremes_t
