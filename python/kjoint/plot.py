@@ -1,10 +1,11 @@
 """`kjoint plot`: channels over time, several runs over one another, their differences below.
 
-usage: python3 -m kjoint.plot --run RUN [--run OTHER ...] [--channel NAME ...] [--units LIST] --output FILE
+usage: python3 -m kjoint.plot --output FILE [--units LIST] RUN.h5 [CHANNEL ...] [OTHER.h5 ...]
 """
 from __future__ import annotations
 
 import argparse
+import os
 from typing import Any
 
 from ._show import COLOURS, Units, export, fail, need
@@ -101,15 +102,22 @@ def common(series: Any) -> Any:
     return label
 
 
+def is_history(word: str) -> bool:
+    """A file of this name is there, or the name is one of a history; else it names channels."""
+    return word.endswith(".h5") or os.path.exists(word)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="kjoint plot")
-    parser.add_argument("--run", action="append", required=True)
-    parser.add_argument("--channel", action="append", default=[])
+    parser.add_argument("words", nargs="+")
     parser.add_argument("--units")
     parser.add_argument("--output", required=True)
     options = parser.parse_args()
+    first, *others = options.words
+    runs = [first] + [word for word in others if is_history(word)]
+    names = [word for word in others if not is_history(word)]
     try:
-        draw(options.run, options.channel or STANDARD, options.units, options.output)
+        draw(runs, names or STANDARD, options.units, options.output)
     except (OSError, ValueError) as problem:
         fail(f"cannot write {options.output}: {problem}", 3)
     print(options.output)

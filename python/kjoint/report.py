@@ -1,7 +1,7 @@
 """`kjoint report`: one page for a browser, without a network: summary, findings, the mechanism with a
 time slider, joints with peaks and curves, energies, a comparison, provenance.
 
-usage: python3 -m kjoint.report RUN.h5 [--reference REF] --output RUN.html
+usage: python3 -m kjoint.report --output RUN.html RUN.h5 [REF.h5]
 """
 from __future__ import annotations
 
@@ -298,7 +298,7 @@ def number(value: Any) -> Any:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="kjoint report")
     parser.add_argument("run")
-    parser.add_argument("--reference")
+    parser.add_argument("reference", nargs="?")
     parser.add_argument("--output", required=True)
     options = parser.parse_args()
     page = Page(options.run, options.reference)

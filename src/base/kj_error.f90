@@ -12,6 +12,7 @@ module kj_error
    integer, parameter, public :: ERR_INTERNAL = 4   !! a bug in kjoint
 
    integer, parameter, public :: SEV_NOTE = 1, SEV_WARNING = 2, SEV_ERROR = 3
+   character(len=7), parameter, public :: SEVERITY_NAME(3) = ['note   ', 'warning', 'error  ']
 
    !> A finding; an unallocated error means success
    type :: error_t

@@ -17,12 +17,11 @@ module kj_cli
    use kj_run_command, only: run_command
    use kj_check_command, only: check_command
    use kj_study_command, only: study_command
-   use kj_sweep_command, only: sweep_command
+   use kj_python_command, only: python_command
    use kj_extract_command, only: extract_command
    use kj_diff_command, only: diff_command, convert_command
    use kj_export_command, only: export_command
    use kj_watch_command, only: watch_command
-   use kj_show_command, only: plot_command, animate_command, report_command
    implicit none
    private
 
@@ -54,9 +53,9 @@ contains
          case (CMD_STUDY)
             call study_command(args, code)
          case (CMD_SWEEP)
-            call sweep_command(args, 'variants', '_sweep.h5', code, error)
+            call python_command(args, 'variants', '_sweep.h5', code, error)
          case (CMD_FIT)
-            call sweep_command(args, 'fit', '', code, error)
+            call python_command(args, 'fit', '', code, error)
          case (CMD_DIFF)
             call diff_command(args, code, error)
          case (CMD_CONVERT)
@@ -64,11 +63,11 @@ contains
          case (CMD_EXPORT)
             call export_command(args, code, error)
          case (CMD_PLOT)
-            call plot_command(args, code, error)
+            call python_command(args, 'plot', '.png', code, error)
          case (CMD_ANIMATE)
-            call animate_command(args, code, error)
+            call python_command(args, 'animate', '.mp4', code, error)
          case (CMD_REPORT)
-            call report_command(args, code, error)
+            call python_command(args, 'report', '.html', code, error)
          case (CMD_INFO)
             call describe_history(args%operand(1)%s, args%given(OPT_JSON), text, error)
             if (.not. allocated(error)) call print_text(text)

@@ -71,19 +71,18 @@ contains
       call settle_output(args%value(OPT_PLOT)%s, args%operand(:2), place, error)
       if (allocated(error)) return
       call add_words(words, 'plot')
-      call add_words(words, '--run', args%operand(1)%s)
-      call add_words(words, '--run', args%operand(2)%s)
-      call add_words(words, '--output', args%value(OPT_PLOT)%s)
+      call add_words(words, '--output='//args%value(OPT_PLOT)%s, '--')
+      call add_words(words, args%operand(1)%s, args%operand(2)%s)
       n = 0
       do i = 1, result%n_worst
          associate (c => result%channel(result%worst(i)))
             if (c%channel == CH_TIME .or. c%run_at == 0) cycle
-            call add_words(words, '--channel', c%name)
+            call add_words(words, c%name)
          end associate
          n = n + 1
          if (n == MOST_DRAWN) exit
       end do
-      if (n == 0) call add_words(words, '--channel', 'internal_energy')
+      if (n == 0) call add_words(words, 'internal_energy')
       call run_python(words, .false., code, error)
       if (code /= 0 .and. .not. allocated(error)) call fail(error, ERR_FILE, &
          args%value(OPT_PLOT)%s//' was not drawn')

@@ -59,9 +59,10 @@ contains
          else
             call settle_output(output, args%operand(:1), place, error)
             if (allocated(error)) return
-            call add_words(words, 'vtk', args%operand(1)%s)
+            call add_words(words, 'vtk')
             call add_words(words, '--to', form)
-            call add_words(words, '--output', output)
+            call add_words(words, '--output='//output)
+            call add_words(words, '--', args%operand(1)%s)
             call run_python(words, .false., code, error)
          end if
          return

@@ -3,7 +3,7 @@
 module kj_extract_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_RUN
-   use kj_option, only: arguments_t, OPT_OUTPUT, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_option, only: arguments_t, stem_of, OPT_OUTPUT, OPT_QUIET, OPT_VERBOSE, OPT_JSON
    use kj_run_arguments, only: take_run_options, exit_code
    use kj_terminal, only: print_line, may_colour, STDERR
    use kj_output, only: write_output
@@ -62,17 +62,8 @@ contains
       type(arguments_t), intent(in) :: args
       character(len=:), allocatable :: path
 
-      integer :: cut
-
-      if (args%given(OPT_OUTPUT)) then
-         path = args%value(OPT_OUTPUT)%s
-         return
-      end if
-      path = args%operand(1)%s(index(args%operand(1)%s, '/', back=.true.) + 1:)
-      cut = index(path, '_0000.rad', back=.true.)
-      if (cut <= 1) cut = index(path, '.', back=.true.)
-      if (cut > 1) path = path(:cut - 1)
-      path = path//'_mech_0000.rad'
+      path = stem_of(args%operand(1)%s)//'_mech_0000.rad'
+      if (args%given(OPT_OUTPUT)) path = args%value(OPT_OUTPUT)%s
    end function output_path
 
    !> MECH_0000.rad -> MECH_0001.rad

@@ -5,7 +5,8 @@ module kj_help
    use kj_keywords, only: nearest_keyword
    use kj_card_page, only: find_keyword_page, print_keyword_page
    use kj_message, only: messages, find_message
-   use kj_option, only: commands, option_t, option, has_option, did_you_mean, N_OPTION
+   use kj_option, only: commands, option_t, option, has_option, N_OPTION
+   use kj_spelling, only: did_you_mean
    use kj_table_json, only: help_json
    use kj_words, only: buffer_t
    use kj_terminal, only: print_line
@@ -123,7 +124,7 @@ contains
       row = find_message(topic)
       if (row == 0) then
          call fail(error, ERR_INPUT, 'there is no command and no message "'//topic//'"')
-         error%hint = did_you_mean(topic, commands%name)
+         error%hint = trim(did_you_mean(topic, commands%name))
          return
       end if
       call print_line(trim(messages(row)%id)//': '//trim(messages(row)%title))

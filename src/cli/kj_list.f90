@@ -5,7 +5,7 @@ module kj_list
    use kj_joint_types, only: joint_types, DOF_NAME, NDOF, FRAME_CROSS
    use kj_keywords, only: keywords, status_name
    use kj_channels, only: channels, groups
-   use kj_option, only: did_you_mean
+   use kj_spelling, only: did_you_mean
    use kj_table_json, only: table_json
    use kj_words, only: buffer_t
    use kj_terminal, only: print_line
@@ -42,7 +42,7 @@ contains
          call print_channels()
       case default
          call fail(error, ERR_INPUT, 'there is no table "'//name//'"')
-         error%hint = did_you_mean(name, TABLES)
+         error%hint = trim(did_you_mean(name, TABLES))
          if (len(error%hint) == 0) error%hint = 'joints, keywords or channels'
       end select
    end subroutine print_table

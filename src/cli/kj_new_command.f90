@@ -4,10 +4,10 @@ module kj_new_command
    use kj_system, only: file_kind, KIND_NONE
    use kj_text, only: text_t
    use kj_output, only: write_output
-   use kj_option, only: arguments_t, did_you_mean
+   use kj_option, only: arguments_t
    use kj_joint_types, only: joint_types
    use kj_shipped_deck, only: shipped_count, shipped_name, shipped_text
-   use kj_spelling, only: upper
+   use kj_spelling, only: upper, did_you_mean
    use kj_terminal, only: print_line
    implicit none
    private
@@ -52,7 +52,7 @@ contains
       end if
       if (k > size(kinds)) then
          call fail(error, ERR_INPUT, 'there is no deck of the kind "'//args%operand(1)%s//'"')
-         error%hint = did_you_mean(args%operand(1)%s, kinds)
+         error%hint = trim(did_you_mean(args%operand(1)%s, kinds))
          if (len(error%hint) == 0) error%hint = '`kjoint new` lists them'
          return
       end if

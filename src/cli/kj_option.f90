@@ -7,14 +7,14 @@ module kj_option
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_INPUT
    use kj_number, only: parse_real, NUMBER_FINE
-   use kj_spelling, only: edit_distance
+   use kj_spelling, only: did_you_mean
    use kj_text, only: word_t => text_t          ! of the command line
    use kj_run_option, only: run_options, describe_run_option, A_TEXT
    implicit none
    private
 
    public :: command_t, option_t, word_t, arguments_t, parse_arguments, option, has_option, &
-      option_real, option_list, did_you_mean
+      option_real, option_list, stem_of
 
    integer, parameter, public :: CMD_RUN = 1, CMD_CHECK = 2, CMD_STUDY = 3, CMD_SWEEP = 4, &
       CMD_FIT = 5, CMD_DIFF = 6, CMD_CONVERT = 7, CMD_EXPORT = 8, CMD_PLOT = 9, &
@@ -296,7 +296,7 @@ contains
       if (name == '-V' .or. name == 'version') command = CMD_VERSION
       if (command > 0) return
       call fail(error, ERR_INPUT, 'unknown command "'//name//'"')
-      error%hint = did_you_mean(name, commands%name)
+      error%hint = trim(did_you_mean(name, commands%name))
       if (len(error%hint) == 0) error%hint = '`kjoint help` lists the commands'
    end subroutine find_command
 
@@ -396,8 +396,8 @@ contains
       end do
       if (allocated(error)) return
       call fail(error, ERR_INPUT, 'unknown option '//name)
-      error%hint = did_you_mean(name, pack(all%name, &
-         [(has_option(command, all(i)), i=1, N_OPTION)]))
+      error%hint = trim(did_you_mean(name, pack(all%name, &
+         [(has_option(command, all(i)), i=1, N_OPTION)])))
       if (len(error%hint) == 0) &
          error%hint = '`kjoint help '//trim(commands(command)%name)//'` lists the options'
    end subroutine find_option
@@ -516,23 +516,17 @@ contains
       text = 'usage: kjoint '//trim(commands(command)%name)//' '//trim(commands(command)%operands)
    end function usage
 
-   !> 'did you mean "run"?' with the candidate nearest to a word, empty when none is near
-   pure function did_you_mean(word, candidates) result(text)
-      character(len=*), intent(in) :: word, candidates(:)
-      character(len=:), allocatable :: text
+   !> folder/DECK_0000.rad -> DECK, folder/RUN.h5 -> RUN: what is named after an operand stands here
+   pure function stem_of(path) result(stem)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: stem
 
-      integer :: i, best, d, least
+      integer :: cut
 
-      text = ''
-      best = 0
-      least = len_trim(word)/3 + 2               ! more edits than that is another word
-      do i = 1, size(candidates)
-         d = edit_distance(trim(word), trim(candidates(i)))
-         if (d >= least) cycle
-         least = d
-         best = i
-      end do
-      if (best > 0) text = 'did you mean "'//trim(candidates(best))//'"?'
-   end function did_you_mean
+      stem = path(index(path, '/', back=.true.) + 1:)
+      cut = index(stem, '_0000.rad', back=.true.)
+      if (cut <= 1) cut = index(stem, '.', back=.true.)
+      if (cut > 1) stem = stem(:cut - 1)
+   end function stem_of
 
 end module kj_option

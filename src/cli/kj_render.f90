@@ -1,6 +1,6 @@
 !> Findings as people read them: severity, id, message, place, the card with carets, what to do.
 module kj_render
-   use kj_error, only: error_t, finding_list_t, str, SEV_NOTE, SEV_WARNING, SEV_ERROR
+   use kj_error, only: error_t, finding_list_t, str, SEV_NOTE, SEVERITY_NAME
    use kj_words, only: right
    use kj_terminal, only: print_error, ESC
    implicit none
@@ -9,7 +9,6 @@ module kj_render
    public :: render, print_findings, print_failure
 
    integer, parameter :: MOST_SHOWN = 20         !! of one severity
-   character(len=7), parameter :: SEVERITY(3) = ['note   ', 'warning', 'error  ']
    character(len=2), parameter :: COLOUR(3) = ['36', '33', '31']
    character, parameter :: NL = new_line('a')
 
@@ -109,8 +108,8 @@ contains
 
       integer :: k
 
-      k = min(max(finding%severity, SEV_NOTE), SEV_ERROR)
-      text = trim(SEVERITY(k))
+      k = finding%severity
+      text = trim(SEVERITY_NAME(k))
       if (finding%id /= '') text = text//'['//trim(finding%id)//']'
       text = paint(text//':', '1;'//COLOUR(k), colours)//' '
       if (allocated(finding%message)) text = text//printable(finding%message)

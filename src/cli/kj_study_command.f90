@@ -3,8 +3,8 @@ module kj_study_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, str
    use kj_output, only: write_output
-   use kj_option, only: arguments_t, option_real, option_list, OPT_OUTPUT, OPT_QUIET, OPT_JSON, &
-      OPT_ERROR, OPT_SCALES, OPT_STIFFNESS
+   use kj_option, only: arguments_t, option_real, option_list, stem_of, OPT_OUTPUT, OPT_QUIET, &
+      OPT_JSON, OPT_ERROR, OPT_SCALES, OPT_STIFFNESS
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
    use kj_terminal, only: print_line, print_error, may_colour, STDERR
    use kj_signal, only: watch_signals, caught_signal
@@ -128,11 +128,7 @@ contains
          if (cut > 1 .and. cut >= len(root) - 4) root = root(:cut - 1)
          return
       end if
-      root = args%operand(1)%s(index(args%operand(1)%s, '/', back=.true.) + 1:)
-      cut = index(root, '_0000.rad', back=.true.)
-      if (cut <= 1) cut = index(root, '.', back=.true.)
-      if (cut > 1) root = root(:cut - 1)
-      root = root//'_study'
+      root = stem_of(args%operand(1)%s)//'_study'
    end function table_root
 
 end module kj_study_command

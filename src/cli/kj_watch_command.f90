@@ -8,8 +8,8 @@ module kj_watch_command
       CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_ENERGY_ERROR, CH_J_VIOL_T, CH_J_VIOL_R
    use kj_history, only: history_t
    use kj_output, only: find_part, is_written
-   use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
-      read_run_facts
+   use kj_reader, only: history_reader_t, open_history_file, read_rows, read_facts, &
+      close_history_file
    use kj_series, only: series_t, find_series, series_value
    use kj_system, only: wall_clock
    use kj_option, only: arguments_t
@@ -102,7 +102,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       type(error_t), allocatable :: closing
-      type(h5_reader_t) :: reader
+      type(history_reader_t) :: reader
       type(history_t) :: history
       type(text_t), allocatable :: facts(:), values(:)
       type(series_t), allocatable :: series(:)
@@ -111,14 +111,14 @@ contains
 
       status = ''
       line = ''
-      call open_h5_history(path, reader, history, n_row, error)
+      call open_history_file(path, reader, history, n_row, error)
       if (allocated(error)) return
       n = min(n_row, merge(WIDTH, 1, names /= ''))
       allocate (rows(history%n_value, max(1, n)))
-      if (n > 0) call read_h5_rows(reader, n_row - n + 1, n, rows, error)
-      if (.not. allocated(error)) call read_run_facts(reader, facts, values, error)
+      if (n > 0) call read_rows(reader, n_row - n + 1, n, rows, error)
+      if (.not. allocated(error)) call read_facts(reader, facts, values, error)
       if (.not. allocated(error) .and. names /= '') call find_series(history, names, series, error)
-      call close_h5_history(reader, closing)
+      call close_history_file(reader, closing)
       if (allocated(error)) return
       do i = 1, size(facts)
          if (facts(i)%s == 'status') status = values(i)%s

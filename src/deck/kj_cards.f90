@@ -15,6 +15,7 @@ module kj_cards
       first_card, line_text
    use kj_card_cut, only: cut_t, cut_card, is_blank_text, MOST_ON_CARD, read_integer_at, &
       read_real_at, report_cut
+   use kj_spelling, only: upper
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_NOT_FINITE
    implicit none
    private
@@ -32,6 +33,7 @@ module kj_cards
       integer :: n_whole = 0                    !! cards that it has when all are there
       character(len=12) :: name(MOST_FIELDS) = ''
       integer :: integer_value(MOST_FIELDS) = 0
+      logical :: is_real(MOST_FIELDS) = .false.
       real(wp) :: real_value(MOST_FIELDS) = 0.0_wp   !! in work units
       character(len=20) :: text_value(MOST_FIELDS) = ''
       integer :: line(MOST_FIELDS) = 0          !! index in deck; 0 when the card is missing
@@ -225,6 +227,7 @@ contains
       cards%given(k) = last >= first
       cards%first(k) = merge(first, fields(row)%first, cards%given(k))
       cards%last(k) = merge(last, fields(row)%last, cards%given(k))
+      cards%is_real(k) = fields(row)%kind == 'r'
       cards%integer_value(k) = 0
       cards%real_value(k) = 0.0_wp
       cards%text_value(k) = ''
@@ -302,8 +305,10 @@ contains
 
       integer :: k
 
-      k = find(cards, name)
-      found = k > 0
+      do k = 1, cards%n
+         if (cards%is_real(k) .and. upper(cards%name(k)) == upper(name)) exit
+      end do
+      found = k <= cards%n
       if (.not. found) return
       cards%real_value(k) = value
       cards%given(k) = .true.

@@ -3,7 +3,7 @@ module kj_spelling
    implicit none
    private
 
-   public :: upper, edit_distance
+   public :: upper, edit_distance, did_you_mean
 
 contains
 
@@ -41,5 +41,23 @@ contains
       end do
       distance = row(len(b))
    end function edit_distance
+
+   !> 'did you mean "run"?' with the candidate nearest to a word, in letters of either case; blank
+   !> when none is near
+   pure function did_you_mean(word, candidates) result(text)
+      character(len=*), intent(in) :: word, candidates(:)
+      character(len=len(candidates) + 16) :: text
+
+      integer :: i, d, least
+
+      text = ''
+      least = len_trim(word)/3 + 2               ! more edits than that is another word
+      do i = 1, size(candidates)
+         d = edit_distance(upper(trim(word)), upper(trim(candidates(i))))
+         if (d >= least) cycle
+         least = d
+         text = 'did you mean "'//trim(candidates(i))//'"?'
+      end do
+   end function did_you_mean
 
 end module kj_spelling

@@ -57,7 +57,6 @@ contains
 
       text = ''
       call open_history_file(path, reader, history, n_row, error)
-      if (allocated(error)) call look_beside(path, error)
       if (allocated(error)) return
       call survey_rows(reader, history, n_row, survey, error)
       if (.not. allocated(error)) call read_facts(reader, names, values, error)
@@ -145,24 +144,6 @@ contains
       end do
       json = json//'], '//json_member('values_not_finite', survey%n_bad)//'}'//new_line('a')
    end function info_json
-
-   !> Where a history is that has not got its name, in the error that it is not there
-   subroutine look_beside(path, error)
-      character(len=*), intent(in) :: path
-      type(error_t), intent(inout) :: error
-
-      character(len=:), allocatable :: part
-      logical :: exists
-
-      inquire (file=path, exist=exists)
-      if (exists) return
-      error%message = 'there is no '//path
-      call find_part(path, .true., part)
-      if (part /= '') error%hint = 'a run that is to become it writes '//part
-      if (part /= '') return
-      call find_part(path, .false., part)
-      if (part /= '') error%hint = 'a run that did not end left '//part
-   end subroutine look_beside
 
    !> Go once over all rows, a block at a time
    subroutine survey_rows(reader, history, n_row, survey, error)

@@ -2,14 +2,12 @@
 module kj_json_writer
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, str, SEV_NOTE, SEV_ERROR
+   use kj_error, only: error_t, finding_list_t, str, SEVERITY_NAME
    use kj_utf8, only: as_utf8
    implicit none
    private
 
    public :: json_member, json_pair, json_text, json_real, json_reals, json_findings, comma
-
-   character(len=7), parameter :: SEVERITY(3) = ['note   ', 'warning', 'error  ']
 
    !> "name": value, of a text, a number or a truth
    interface json_member
@@ -147,8 +145,7 @@ contains
       character(len=:), allocatable :: json
 
       associate (f => finding)
-         json = '{'//json_member('severity', &
-            trim(SEVERITY(min(max(f%severity, SEV_NOTE), SEV_ERROR))))//', '// &
+         json = '{'//json_member('severity', trim(SEVERITY_NAME(f%severity)))//', '// &
             json_member('id', trim(f%id))
          if (allocated(f%message)) json = json//', '//json_member('message', f%message)
          if (allocated(f%file)) json = json//', '//json_member('file', f%file)

@@ -10,7 +10,7 @@ module kj_reader
    use kj_t01, only: t01_reader_t, open_t01, read_t01_rows, close_t01
    use kj_read_h5, only: h5_reader_t, open_h5_history, read_h5_rows, close_h5_history, &
       read_run_facts
-   use kj_output, only: is_locked
+   use kj_output, only: is_locked, find_part
    use kj_sink, only: sink_t
    implicit none
    private
@@ -52,12 +52,15 @@ contains
 
       n_row = 0
       call look_at_magic(path, is_h5, error)
-      if (allocated(error)) return
+      if (allocated(error)) then
+         call look_beside(path, error)
+         return
+      end if
       if (is_h5) then
          call open_h5_history(path, reader%h5, history, n_row, error)
          if (allocated(error)) then
             if (index(error%message, 'cannot open') == 1) &
-               error%hint = 'it is damaged: `kjoint recover` puts right what a kill left'
+               error%hint = 'it is cut off or damaged; `kjoint recover` puts right what a kill left'
             if (is_locked(path)) &
                error%hint = 'another program holds it open for writing, with a lock'
             return
@@ -77,6 +80,24 @@ contains
          if (allocated(reader%t01%note)) reader%note = reader%t01%note
       end if
    end subroutine open_history_file
+
+   !> Where a history is that has not got its name, in the error that it is not there
+   subroutine look_beside(path, error)
+      character(len=*), intent(in) :: path
+      type(error_t), intent(inout) :: error
+
+      character(len=:), allocatable :: part
+      logical :: exists
+
+      inquire (file=path, exist=exists)
+      if (exists) return
+      error%message = 'there is no '//path
+      call find_part(path, .true., part)
+      if (part /= '') error%hint = 'a run that is to become it writes '//part
+      if (part /= '') return
+      call find_part(path, .false., part)
+      if (part /= '') error%hint = 'a run that did not end left '//part
+   end subroutine look_beside
 
    !> Does the file begin as HDF5 files do
    subroutine look_at_magic(path, is_h5, error)

@@ -84,7 +84,11 @@ contains
       logical :: running, cut
 
       call open_h5_history(path, reader, history, n_row, error)
-      if (allocated(error)) return
+      if (allocated(error)) then
+         if (index(error%message, path) > 0) &   ! of the copy
+            error%message = 'it is no HDF5 file, or cut off: nothing can be put right'
+         return
+      end if
       call read_run_facts(reader, names, values, error)
       most = reader%most_row
       call count_readable(reader, history%n_value, n_row, n)

@@ -6,6 +6,7 @@ module kj_joint_setting
    use kj_number, only: parse_real, NUMBER_FINE
    use kj_cards, only: cards_t, read_cards, put_real
    use kj_draft, only: draft_t, property_t
+   use kj_spelling, only: did_you_mean
    use kj_build_property, only: read_property
    implicit none
    private
@@ -45,7 +46,7 @@ contains
       property = size(draft%properties)
    end subroutine set_fields
 
-   !> One value; a field K_rx is also Krx, as /PROP/KJOINT has it
+   !> One value; a field K_rx is also Krx, as /PROP/KJOINT has it, and kn is Kn
    subroutine put_field(draft, i, cards)
       type(draft_t), intent(inout) :: draft
       integer, intent(in) :: i                   !! place among the settings
@@ -69,6 +70,7 @@ contains
          else
             call fail(error, ERR_INPUT, 'joint '//name(:dot - 1)//' has no number '// &
                name(dot + 1:), 'KJ-9431')
+            error%hint = trim(did_you_mean(name(dot + 1:), pack(cards%name, cards%is_real)))
          end if
          call add_finding(draft%deck%findings, error)
       end associate

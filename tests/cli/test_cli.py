@@ -397,6 +397,15 @@ class Check(Program):
     def test_joints_without_limits_have_no_such_table(self):
         self.assertNotIn("friction", self.kjoint("check", "REV01_0000.rad").stdout)
 
+    def test_fields_of_a_joint_are_set_in_letters_of_either_case(self):
+        deck = SOURCE / "decks" / "slider_crank_0000.rad"
+        for name in ("Kn", "kn", "KN"):
+            told = json.loads(self.kjoint("check", "--json", deck, "--joint", f"901.{name}=3e8").stdout)
+            self.assertEqual(3e8, told["joints"][0]["blocking_translation"])
+        self.assertIn('did you mean "Kn"?', self.kjoint("check", deck, "--joint", "901.Km=1", code=2).stderr)
+        # an integer is no number to set: the type of a joint decides which fields it has
+        self.assertIn("has no number type", self.kjoint("check", deck, "--joint", "901.type=3", code=2).stderr)
+
     def test_several_decks_are_checked_in_one_go(self):
         """An engine deck belongs to the starter deck before it; the exit code is the largest."""
         decks = [SOURCE / "decks" / f"{name}_0000.rad" for name in ("slider_crank", "knee", "door_hinge")]

@@ -272,8 +272,11 @@ class Worst(Program):
         data = (self.folder / "a.h5").read_bytes()
         (self.folder / "cut.h5").write_bytes(data[:len(data)//2])
         self.assertIn("damaged", self.kjoint("info", "cut.h5", code=3).stderr)
+        self.assertIn("error: it is no HDF5 file, or cut off", self.kjoint("recover", "cut.h5", code=3).stderr)
+        self.assertIn("there is no none.h5", self.kjoint("watch", "none.h5", code=3).stderr)
         with h5py.File(self.folder / "open.h5", "w"):
-            self.assertIn("another program holds it open", self.kjoint("info", "open.h5", code=3).stderr)
+            for command in ("info", "watch"):
+                self.assertIn("another program holds it open", self.kjoint(command, "open.h5", code=3).stderr)
         if os.geteuid() != 0:                        # root reads all
             (self.folder / "cut.h5").chmod(0)
             self.assertIn("ermission denied", self.kjoint("info", "cut.h5", code=3).stderr)

@@ -1,23 +1,25 @@
-!> `kjoint sweep` and `kjoint fit`: options in, and a program of the Python package takes over.
-module kj_sweep_command
+!> `kjoint plot`, `animate`, `report`, `sweep`, `fit`: options in, and a program of the Python
+!> package takes over.
+module kj_python_command
    use kj_error, only: error_t
-   use kj_option, only: arguments_t, option_t, option, FIRST_RUN, N_OPTION, OPT_INPUT, OPT_OUTPUT
+   use kj_option, only: arguments_t, option_t, option, stem_of, FIRST_RUN, N_OPTION, OPT_INPUT, &
+      OPT_OUTPUT
    use kj_python, only: run_python, add_words
    use kj_text, only: text_t
    use kj_output, only: settle_output
    implicit none
    private
 
-   public :: sweep_command
+   public :: python_command
 
 contains
 
-   !> Hand a module of the package the decks, its options, and the options of a run as `--run
-   !> NAME=VALUE`
+   !> Become a module of the package, with the operands, the options of the command, and those of a
+   !> run as `--run NAME=VALUE`
    !>
    !> Errors: ERR_INPUT when the output is an input, a device or a folder; ERR_FILE when there is no
    !> Python.
-   subroutine sweep_command(args, module, suffix, code, error)
+   subroutine python_command(args, module, suffix, code, error)
       type(arguments_t), intent(in) :: args
       character(len=*), intent(in) :: module
       character(len=*), intent(in) :: suffix     !! of the output when none is named; empty: none
@@ -31,16 +33,13 @@ contains
 
       code = 0
       call add_words(words, module)
-      do i = 1, args%n_operand
-         call add_words(words, args%operand(i)%s)
-      end do
       path = ''
-      if (len(suffix) > 0) path = root_of(args%operand(1)%s)//suffix
+      if (len(suffix) > 0) path = stem_of(args%operand(1)%s)//suffix
       if (args%given(OPT_OUTPUT)) path = args%value(OPT_OUTPUT)%s
       if (len(path) > 0) then
          call settle_output(path, args%operand(:args%n_operand), place, error)
          if (allocated(error)) return
-         call add_words(words, '--output', path)
+         call add_words(words, '--output='//path)
       end if
       do i = 1, N_OPTION
          if (.not. args%given(i) .or. any(i == [OPT_INPUT, OPT_OUTPUT])) cycle
@@ -53,8 +52,12 @@ contains
             call add_each(trim(o%name), args%value(i)%s, words)
          end if
       end do
+      call add_words(words, '--')                ! what follows may begin with -
+      do i = 1, args%n_operand
+         call add_words(words, args%operand(i)%s)
+      end do
       call run_python(words, .true., code, error)
-   end subroutine sweep_command
+   end subroutine python_command
 
    !> An option with each of the values that it was given
    subroutine add_each(name, values, words)
@@ -72,17 +75,4 @@ contains
       end do
    end subroutine add_each
 
-   !> folder/DECK_0000.rad -> DECK
-   pure function root_of(deck) result(root)
-      character(len=*), intent(in) :: deck
-      character(len=:), allocatable :: root
-
-      root = deck(index(deck, '/', back=.true.) + 1:)
-      if (index(root, '_0000.rad') > 1) then
-         root = root(:index(root, '_0000.rad') - 1)
-      else if (index(root, '.', back=.true.) > 1) then
-         root = root(:index(root, '.', back=.true.) - 1)
-      end if
-   end function root_of
-
-end module kj_sweep_command
+end module kj_python_command
