@@ -258,20 +258,13 @@ contains
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp), pointer, contiguous :: row(:)
       real(wp) :: now
 
       now = wall_clock()
       status%wall_solve = status%wall_solve + now - clock
-      call sink%begin_row(row)
-      if (associated(row)) then
-         call fill_row(sim, row, error)
-         if (.not. allocated(error)) call sink%end_row(error)
-      else
-         if (.not. allocated(sim%row)) allocate (sim%row(sim%history%n_value))
-         call fill_row(sim, sim%row, error)
-         if (.not. allocated(error)) call sink%put(sim%row, error)
-      end if
+      if (.not. allocated(sim%row)) allocate (sim%row(sim%history%n_value))
+      call fill_row(sim, sim%row, error)
+      if (.not. allocated(error)) call sink%put(sim%row, error)
       clock = wall_clock()
       status%wall_output = status%wall_output + clock - now
       status%n_sample = status%n_sample + 1

@@ -22,8 +22,8 @@ module kj_sink_h5
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_image, close_file, create_group, &
       put_text, put_number
    use kj_h5_layout, only: write_layout
-   use kj_h5_chunk, only: packer_t, new_packer, free_packer, find_row, pack_in_background, &
-      finish_background, write_buffer, write_rows
+   use kj_h5_chunk, only: packer_t, new_packer, free_packer, write_in_background, &
+      finish_background, write_buffer
    use kj_h5_store, only: begin_store, commit_rows, last_rows, finish_store, close_store
    implicit none
    private
@@ -36,7 +36,7 @@ module kj_sink_h5
       character(len=:), allocatable :: command_line   !! kept in /run
       logical :: reproducible = .false.               !! equal runs write equal bytes
       logical :: live = .false.                       !! readers may follow it (SWMR)
-      integer :: n_threads = 1        !! of the run, kept in /run; they pack rows as big as a chunk
+      integer :: n_threads = 1                        !! of the run, kept in /run
       !> Where the file is, now and when it was closed; empty: it was removed, having no rows
       character(len=:), allocatable :: place
       logical :: named = .false.                      !! it has its final name
@@ -57,8 +57,6 @@ module kj_sink_h5
    contains
       procedure :: open => open_h5
       procedure :: put => put_h5
-      procedure :: begin_row => begin_row_h5
-      procedure :: end_row => end_row_h5
       procedure :: flush => flush_h5
       procedure :: close => close_h5
    end type sink_h5_t
@@ -104,8 +102,7 @@ contains
       call settle_output(self%path, inputs, self%target, error)
       self%place = ''
       call write_start(self, history, error)
-      call new_packer(history, self%store, self%n_chunk, self%n_threads, self%reproducible, &
-         self%packer, error)
+      call new_packer(history, self%store, self%n_chunk, self%reproducible, self%packer, error)
       if (allocated(error)) then
          call free_packer(self%packer)
          call close_store(self%store, closing)
@@ -198,8 +195,6 @@ contains
       real(wp), intent(in) :: row(:)
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp), pointer, contiguous :: room(:)
-
       if (.not. c_associated(self%store)) then
          call fail(error, ERR_INTERNAL, 'a row came to a history that is not open')
          return
@@ -209,37 +204,15 @@ contains
             ' values came to a history of '//str(self%n_value))
          return
       end if
-      call self%begin_row(room)
-      if (associated(room)) then
-         room = row
-         call self%end_row(error)
-      else if (self%failed) then
+      if (self%failed) then
          call fail(error, ERR_FILE, 'an earlier row could not be written')
-      else
-         call write_row(self, row, error)
-         call flush_in_time(self, error)
+         return
       end if
-   end subroutine put_h5
-
-   !> Room in the buffer, where a chunk has more than one row
-   subroutine begin_row_h5(self, row)
-      class(sink_h5_t), intent(inout) :: self
-      real(wp), pointer, contiguous, intent(out) :: row(:)
-
-      row => null()
-      if (.not. c_associated(self%store) .or. self%failed .or. self%n_chunk == 1) return
-      call find_row(self%packer, self%n_held + 1, row)
-   end subroutine begin_row_h5
-
-   !> Count the row that was written into the buffer. Errors: ERR_FILE when a chunk is not written
-   subroutine end_row_h5(self, error)
-      class(sink_h5_t), intent(inout) :: self
-      type(error_t), allocatable, intent(out) :: error
-
       self%n_held = self%n_held + 1
+      self%packer%buffer(:, self%n_held) = row
       if (self%n_held == self%n_chunk) call hand_over(self, error)
       call flush_in_time(self, error)
-   end subroutine end_row_h5
+   end subroutine put_h5
 
    !> Flush when the next row, as far away as this one was, would come too late
    subroutine flush_in_time(self, error)
@@ -296,7 +269,7 @@ contains
             self%flushed = before
          end if
       end if
-      call pack_in_background(self%packer, self%n_written)
+      call write_in_background(self%packer, self%n_written)
       self%n_packing = self%n_held
       self%n_held = 0
    end subroutine hand_over
@@ -331,17 +304,6 @@ contains
       call note_written(self, 0, error)
       if (.not. allocated(error)) self%n_ready = self%n_written + n
    end subroutine write_held
-
-   !> Write a row that is a chunk
-   subroutine write_row(self, row, error)
-      class(sink_h5_t), intent(inout) :: self
-      real(wp), intent(in) :: row(:)
-      type(error_t), allocatable, intent(inout) :: error
-
-      call write_rows(self%packer, self%n_written, 1, row, error)
-      call note_written(self, 1, error)
-      if (self%reproducible) call make_readable(self, error)
-   end subroutine write_row
 
    !> A chunk of n rows was written, or the history ends before it: no rows come after a hole
    subroutine note_written(self, n, error)

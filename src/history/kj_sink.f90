@@ -1,7 +1,7 @@
 !> Where samples go. The solver knows only this type; HDF5 is behind kj_sink_h5.
 module kj_sink
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, ERR_INTERNAL
+   use kj_error, only: error_t
    use kj_history, only: history_t
    implicit none
    private
@@ -13,8 +13,6 @@ module kj_sink
    contains
       procedure(open_i), deferred :: open
       procedure(put_i), deferred :: put
-      procedure :: begin_row => no_room
-      procedure :: end_row => no_row
       procedure(flush_i), deferred :: flush
       procedure(close_i), deferred :: close
    end type sink_t
@@ -52,28 +50,5 @@ module kj_sink
          type(error_t), allocatable, intent(out) :: error
       end subroutine close_i
    end interface
-
-contains
-
-   !> Where the next row may be written at once, instead of put, to spare a copy; null: nowhere, put
-   !> it. end_row follows, or the row does not count.
-   subroutine no_room(self, row)
-      class(sink_t), intent(inout) :: self
-      real(wp), pointer, contiguous, intent(out) :: row(:)     !! as in put
-
-      associate (unused => self)
-      end associate
-      row => null()
-   end subroutine no_room
-
-   !> Take the row that was written where begin_row said. Errors: as put
-   subroutine no_row(self, error)
-      class(sink_t), intent(inout) :: self
-      type(error_t), allocatable, intent(out) :: error
-
-      associate (unused => self)
-      end associate
-      call fail(error, ERR_INTERNAL, 'a row ended that was not begun')
-   end subroutine no_row
 
 end module kj_sink
