@@ -75,8 +75,10 @@ contains
       type(archive_t), intent(inout) :: self
       type(poses_t), intent(inout) :: poses
 
-      call keep(self, poses%time)
-      call keep(self, poses%h)
+      call keep(self, poses%time(1))
+      call keep(self, poses%h(1))
+      poses%time = poses%time(1)
+      poses%h = poses%h(1)
       call keep(self, poses%x)
       call keep(self, poses%d)
       call keep(self, poses%quat)

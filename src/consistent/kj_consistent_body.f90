@@ -23,25 +23,25 @@ contains
    pure subroutine kick(model, state, h, lo, hi)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
-      real(wp), intent(in) :: h                       !! the whole step
       integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h(lo:hi)                !! the whole step of each lead
 
       integer :: i
 
       associate (v => state%v, l => state%l, f => state%f, t => state%t, m => model%inverse_mass)
          !$omp simd
          do i = lo, hi
-            v(i, 1) = v(i, 1) + 0.5_wp*h*m(i)*f(i, 1)
-            v(i, 2) = v(i, 2) + 0.5_wp*h*m(i)*f(i, 2)
-            v(i, 3) = v(i, 3) + 0.5_wp*h*m(i)*f(i, 3)
-            l(i, 1) = l(i, 1) + 0.5_wp*h*(model%turns(i)*t(i, 1))
-            l(i, 2) = l(i, 2) + 0.5_wp*h*(model%turns(i)*t(i, 2))
-            l(i, 3) = l(i, 3) + 0.5_wp*h*(model%turns(i)*t(i, 3))
+            v(i, 1) = v(i, 1) + 0.5_wp*h(i)*m(i)*f(i, 1)
+            v(i, 2) = v(i, 2) + 0.5_wp*h(i)*m(i)*f(i, 2)
+            v(i, 3) = v(i, 3) + 0.5_wp*h(i)*m(i)*f(i, 3)
+            l(i, 1) = l(i, 1) + 0.5_wp*h(i)*(model%turns(i)*t(i, 1))
+            l(i, 2) = l(i, 2) + 0.5_wp*h(i)*(model%turns(i)*t(i, 2))
+            l(i, 3) = l(i, 3) + 0.5_wp*h(i)*(model%turns(i)*t(i, 3))
          end do
       end associate
    end subroutine kick
 
-   !> x += h v, and the free rotation of leads lo..hi over h.
+   !> x += h v, and the free rotation of leads lo..hi over h, each block of leads by the same steps.
    !>
    !> Three unequal inertias: half, half about the smallest and the middle axis, whole about the
    !> largest, and back. Two equal ones: the exact motion, a turn h L/It in space and one about the
@@ -49,7 +49,7 @@ contains
    pure subroutine drift(model, state, h, lo, hi)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: lo, hi
 
       real(wp), dimension(BLOCK, 3) :: l, space, part, w
@@ -61,8 +61,8 @@ contains
          to = min(from + BLOCK - 1, hi)
          n = to - from + 1
          do k = 1, 3
-            state%poses%x(from:to, k) = state%poses%x(from:to, k) + h*state%v(from:to, k)
-            state%poses%d(from:to, k) = state%poses%d(from:to, k) + h*state%v(from:to, k)
+            state%poses%x(from:to, k) = state%poses%x(from:to, k) + h(:n)*state%v(from:to, k)
+            state%poses%d(from:to, k) = state%poses%d(from:to, k) + h(:n)*state%v(from:to, k)
             l(:n, k) = state%l(from:to, k)
          end do
          do k = 1, 4
@@ -104,7 +104,7 @@ contains
    pure subroutine symmetric_part(model, from, n, h, l, space, part)
       type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: from, n
-      real(wp), intent(in) :: h, l(BLOCK, 3)
+      real(wp), intent(in) :: h(BLOCK), l(BLOCK, 3)
       real(wp), intent(out) :: space(BLOCK, 3), part(BLOCK, 3)
 
       real(wp) :: it
@@ -119,7 +119,7 @@ contains
             part(i, 2:3) = 0.5_wp
          else
             it = model%inverse_inertia(j, modulo(a, 3) + 1)
-            space(i, :) = h*it*l(i, :)
+            space(i, :) = h(i)*it*l(i, :)
             part(i, :) = 0.0_wp
             if (model%inverse_inertia(j, a) > 0.0_wp) part(i, a) = &
                1.0_wp - it/model%inverse_inertia(j, a)
@@ -160,7 +160,7 @@ contains
    !> Turn about body axis a by share*h*l_a/I_a: q := q (c, s e_a), and l stays the same in space
    pure subroutine plane_turn(n, a, h, share, ii, q, l)
       integer, intent(in) :: n, a
-      real(wp), intent(in) :: h, share(n), ii(n)
+      real(wp), intent(in) :: h(n), share(n), ii(n)
       real(wp), intent(inout) :: q(BLOCK, 4), l(BLOCK, 3)
 
       real(wp) :: x(BLOCK), x2(BLOCK), s(BLOCK), c(BLOCK), si, co, t
@@ -169,7 +169,7 @@ contains
       j = modulo(a, 3) + 1
       k = modulo(j, 3) + 1
       do i = 1, n
-         x(i) = 0.5_wp*h*share(i)*ii(i)*l(i, a)
+         x(i) = 0.5_wp*h(i)*share(i)*ii(i)*l(i, a)
          x2(i) = x(i)**2
       end do
       call turn_coefficients(n, x2, s, c)
@@ -209,7 +209,7 @@ contains
    !> J^-1 (L + h/2 t), with what the host of single joints adds to f and t
    pure subroutine predict(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
@@ -229,8 +229,8 @@ contains
             !$omp simd private(j)
             do i = 1, n
                j = from + i - 1
-               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h*model%inverse_mass(j)*f(i, k)
-               l(i, k) = state%l(j, k) + 0.5_wp*h*t(i, k)
+               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h(i)*model%inverse_mass(j)*f(i, k)
+               l(i, k) = state%l(j, k) + 0.5_wp*h(i)*t(i, k)
             end do
          end do
          call spin_block(model, state%poses%quat, from, n, l, state%poses%w)
@@ -333,25 +333,25 @@ contains
    ! ---- Drift by the implicit Lie midpoint rule: exact angular momentum in space, exact energy of
    ! bodies with two equal inertias. Source: docs/theory/consistent.md 4; Krysl, IJNME 63 (2005).
 
-   !> x += h v and the turn of leads lo..hi over h
+   !> x += h v and the turn of leads lo..hi over h, at most BLOCK
    subroutine midpoint_drift(model, state, h, lo, hi)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
-      real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h(lo:hi)
 
       real(wp) :: l(3), psi(3), a, q(4), p(4), s(1), k(1), e(9)
       integer :: i
 
       do i = lo, hi
-         state%poses%x(i, :) = state%poses%x(i, :) + h*state%v(i, :)
-         state%poses%d(i, :) = state%poses%d(i, :) + h*state%v(i, :)
+         state%poses%x(i, :) = state%poses%x(i, :) + h(i)*state%v(i, :)
+         state%poses%d(i, :) = state%poses%d(i, :) + h(i)*state%v(i, :)
          q = state%poses%quat(i, :)
          e = columns(q)
          l = state%l(i, :)
          l = [dot_product(l, e(1:3)), dot_product(l, e(4:6)), dot_product(l, e(7:9))]
          e(1:3) = model%inverse_inertia(i, :)
-         psi = midpoint_turn(e(1:3), l, h)
+         psi = midpoint_turn(e(1:3), l, h(i))
          a = 0.25_wp*dot_product(psi, psi)
          call turn_coefficients(1, [a], s, k)
          p(1) = 1.0_wp - a*k(1)

@@ -23,6 +23,8 @@ module kj_consistent_compliant_start
 
    public :: start_velocities
 
+   real(wp), parameter :: NO_STEP(BLOCK) = 0.0_wp
+
 contains
 
    !> At the start or after a jump: velocities that joints do not allow lose their energy at once,
@@ -49,14 +51,14 @@ contains
       call keep_rates(model, 1, size(model%hold), state)
       state%f = 0.0_wp
       state%t = 0.0_wp
-      call look_leads(model, 0.0_wp, 1, model%n_lead, state)
+      call look_leads(model, NO_STEP, 1, model%n_lead, state)
       associate (self => state%compliant)
          call velocity_sides(model, h, state, self, .true.)
          call assemble(model, state, active, .true., self, good)
          call solve_rows(model, state, .true., self)
          call velocity_forces(model, self)
          call put_forces(model, .false., self, state)
-         call kick(model, state, h, 1, model%n_lead)
+         call kick(model, state, spread(h, 1, model%n_lead), 1, model%n_lead)
          call project_all(model, final, active, WHOLE, state)
          state%work = work
          if (state%cycle > 0) then
@@ -78,7 +80,7 @@ contains
       logical :: any_rest
       integer :: b, at, k
 
-      call open_leads(model, 0.0_wp, 1, model%n_lead, state)
+      call open_leads(model, spread(0.0_wp, 1, model%n_lead), 1, model%n_lead, state)
       state%poses%v = state%v
       state%poses%psi = 0.0_wp
       state%poses%h = 0.0_wp
@@ -88,7 +90,7 @@ contains
       call add_gravity(model, 1, model%n_lead, state)
       call add_loads(model, state)
       call add_host_loads(0.0_wp, state)
-      call look_leads(model, 0.0_wp, 1, model%n_lead, state)
+      call look_leads(model, NO_STEP, 1, model%n_lead, state)
       associate (self => state%compliant)
          call damper_rows(model, 1.0_wp, state, self, any_rest)
          call velocity_sides(model, 1.0_wp, state, self, .false.)

@@ -62,7 +62,6 @@ contains
       state%cycle = state%cycle + 1
       state%time = state%time + h
       state%poses%time = state%time
-      state%poses%h = h
       state%compliant%start%v_half(:, :) = state%v
       state%compliant%start%w_half(:, :) = state%poses%w
       state%compliant%start%l_half(:, :) = state%l
@@ -108,6 +107,7 @@ contains
       integer :: pass
 
       call keep_leads(state)
+      state%poses%h = h
       associate (self => state%compliant)
          call prepare(model, h, active, state, self, good)
          if (.not. good) return
@@ -117,7 +117,7 @@ contains
          do pass = 0, MOST_PASSES
             if (pass > 0) call restore_leads(state)
             call put_forces(model, .true., self, state)
-            call move_leads(model, .false., h, 1, model%n_lead, state)
+            call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
             call see_joints(model, state, self)
             call find_residual(model, state, self, way, turn)
             good = way <= CLOSE*self%e_way + ROUNDING*scale .and. &
@@ -273,13 +273,13 @@ contains
 
       state%compliant%f(:, :) = state%f
       state%compliant%t(:, :) = state%t
-      call look_leads(model, h, 1, model%n_lead, state)
+      call look_leads(model, state%poses%h, 1, model%n_lead, state)
       associate (self => state%compliant)
          if (self%any_damper) then
             call damper_rows(model, h, state, self, any_rest)
             if (any_rest) then
                call add_rests(model, state, self)
-               call look_leads(model, h, 1, model%n_lead, state)
+               call look_leads(model, state%poses%h, 1, model%n_lead, state)
                state%f(:, :) = self%f
                state%t(:, :) = self%t
             end if
@@ -290,7 +290,7 @@ contains
          call solve_rows(model, state, .true., self)
          call velocity_forces(model, self)
          call put_forces(model, .false., self, state)
-         call kick_leads(model, h, 1, model%n_lead, state)
+         call kick_leads(model, state%poses%h, 1, model%n_lead, state)
          call count_work(SECOND_HALF, state)
          state%f(:, :) = self%f
          state%t(:, :) = self%t

@@ -10,7 +10,7 @@ module kj_consistent_conditions
    use kj_skew, only: axis_of
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t, hold_t
    use kj_consistent_body, only: columns
-   use kj_block, only: BLOCK
+   use kj_block, only: BLOCK, lane_of
    implicit none
    private
 
@@ -219,7 +219,7 @@ contains
       x = cross(w, l)
       x = matmul(g, x)
       back = u
-      back(1) = u(1) + 0.5_wp*state%h*dot_product(b(1, :), x)
+      back(1) = u(1) + 0.5_wp*state%poses%h(lane_of(lead))*dot_product(b(1, :), x)
       call drive(1, b, back, [.false., .false., .false.], FIRST_HALF, u, g, l, power)
       state%l(lead, :) = l
    end subroutine lean_back
@@ -426,7 +426,7 @@ contains
    !> Attitudes before the drift and angular velocities during it: state%kept
    subroutine hold_rotations(model, h, target, active, first, last, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       real(wp), intent(in) :: target(:)              !! (n_motion)
       logical, intent(in) :: active(:)
       integer, intent(in) :: first, last             !! holds
@@ -442,7 +442,7 @@ contains
             active)
          if (n < 2) cycle
          w = state%kept%w(:, i)
-         q = to_quaternion(rotation(h*w))
+         q = to_quaternion(rotation(h(lane_of(lead))*w))
          p = state%kept%quat(:, i)
          turned = quaternion_product(q, p)
          state%poses%quat(lead, :) = turned          ! at once: of a lead at rest others look at it

@@ -25,11 +25,10 @@ contains
    !> (1 + h/2 C S) (f - f_old) = C B v* - f_old, S = B M^-1 B^T with each body's inverse mass times
    !> its number of joints; for a curve C is its slope at B v* where that is positive. h = 0: f = C
    !> B v. lo is the first joint of a block.
-   pure subroutine add_dampers(batch, curves, poses, h, lo, hi, joint, wrench)
+   pure subroutine add_dampers(batch, curves, poses, lo, hi, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
-      real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
       type(consistent_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)
@@ -43,7 +42,7 @@ contains
       do from = lo, hi, BLOCK
          n = min(BLOCK, hi - from + 1)
          at = (from - 1)/BLOCK + 1
-         associate (state => joint%block(at))
+         associate (state => joint%block(at), h => poses%h)
             call rates(batch, on, poses%v, poses%w, from, n, state%b, rate)
             do k = 1, NDOF
                if (.not. on(k)) then
@@ -62,10 +61,10 @@ contains
                end if
                f(:n, k) = f(:n, k) - state%fd(:n, k)
             end do
-            if (h > 0.0_wp) then
+            if (h(1) > 0.0_wp) then
                call end_inertias(batch, poses, from, n, im, ij1, ij2)
                call compliance(n, on, state%b, im, ij1, ij2, s)
-               call solve(n, on, 0.5_wp*h, c, s, f)
+               call solve(n, on, h, c, s, f)
                if (batch%limited) call damp_round_stops(joint%limit(at), h, n, rate, s, f)
             end if
             moment(:n, :) = 0.0_wp
@@ -76,7 +75,8 @@ contains
                !$omp simd
                do i = 1, n
                   state%fd(i, k) = state%fd(i, k) + f(i, k)
-                  state%dissipated(i) = state%dissipated(i) + 0.5_wp*h*state%fd(i, k)*state%qd(i, k)
+                  state%dissipated(i) = state%dissipated(i) + &
+                     0.5_wp*h(i)*state%fd(i, k)*state%qd(i, k)
                end do
             end do
          end associate
@@ -87,7 +87,7 @@ contains
    pure subroutine count_damping(batch, v, w, h, from, n, state)
       type(joint_batch_t), intent(in) :: batch
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3) when B was found
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: from, n             !! n <= BLOCK
       type(consistent_block_t), intent(inout) :: state
 
@@ -101,7 +101,7 @@ contains
          if (.not. on(k)) cycle
          !$omp simd
          do i = 1, n
-            state%dissipated(i) = state%dissipated(i) + 0.5_wp*h*state%fd(i, k)*rate(i, k)
+            state%dissipated(i) = state%dissipated(i) + 0.5_wp*h(i)*state%fd(i, k)*rate(i, k)
          end do
       end do
    end subroutine count_damping
@@ -136,15 +136,15 @@ contains
       end if
    end subroutine damper
 
-   !> f := (1 + g C S)^-1 f for a block, C diagonal >= 0, S symmetric >= 0.
+   !> f := (1 + g C S)^-1 f for a block, g = h/2, C diagonal >= 0, S symmetric >= 0.
    !>
    !> With D = C^1/2 this is D (1 + g D S D)^-1 D^-1: the part of f along a dof without damping
    !> stays (it is zero). L D L^T without pivoting, all joints of the block at once: 6 x 6 is far
    !> too small for one LAPACK call a joint.
-   pure subroutine solve(n, on, g, c, s, f)
+   pure subroutine solve(n, on, h, c, s, f)
       integer, intent(in) :: n
       logical, intent(in) :: on(NDOF)            !! dofs with damping; of the others nothing is read
-      real(wp), intent(in) :: g, c(BLOCK, 6), s(BLOCK, 21)
+      real(wp), intent(in) :: h(BLOCK), c(BLOCK, 6), s(BLOCK, 21)
       real(wp), intent(inout) :: f(BLOCK, 6)
 
       real(wp) :: a(BLOCK, 21), d(BLOCK, 6), pivot(BLOCK, 6), part
@@ -169,7 +169,7 @@ contains
             at = k*(k - 1)/2 + l
             !$omp simd
             do i = 1, n
-               a(i, at) = g*d(i, k)*s(i, at)*d(i, l)
+               a(i, at) = 0.5_wp*h(i)*d(i, k)*s(i, at)*d(i, l)
             end do
          end do
          a(:n, at) = a(:n, at) + 1.0_wp

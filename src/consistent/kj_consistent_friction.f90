@@ -29,7 +29,7 @@ contains
    pure subroutine rub(batch, curves, h, from, n, q, slid, state, lost)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      real(wp), intent(in) :: h                  !! step, 0: none
+      real(wp), intent(in) :: h(BLOCK)           !! step, 0: none
       integer, intent(in) :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF)     !! coordinates now, for functions
       real(wp), intent(in) :: slid(BLOCK, NDOF)  !! dq
@@ -49,11 +49,11 @@ contains
          end do
          together = has .and. batch%limit%combined(j, :) > 0.0_wp
          do s = 1, 4, 3
-            if (any(together(s:s + 2))) call rub_together(batch, h, j, i, &
+            if (any(together(s:s + 2))) call rub_together(batch, h(i), j, i, &
                together .and. spread(s, 1, NDOF) == FIRST, slid(i, :), state, lost(i))
          end do
          do dof = 1, NDOF
-            if (has(dof) .and. .not. together(dof)) call rub_together(batch, h, j, i, &
+            if (has(dof) .and. .not. together(dof)) call rub_together(batch, h(i), j, i, &
                ALL_DOFS == dof, slid(i, :), state, lost(i))
          end do
       end do

@@ -25,7 +25,7 @@ contains
    pure subroutine hardened_forces(batch, curves, time, h, from, n, q, state, spring, f)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      real(wp), intent(in) :: time, h            !! now, and the step that led here
+      real(wp), intent(in) :: time(BLOCK), h(BLOCK)   !! now, and the step that led here
       integer, intent(in) :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF)
       type(consistent_block_t), intent(inout) :: state
@@ -38,7 +38,7 @@ contains
       do i = 1, n
          j = from + i - 1
          last = state%q(i, :) - spring%zero(i, :)
-         call switch_spring(batch%kind == SPRING4, batch%spring(j), time, h, last, i, spring)
+         call switch_spring(batch%kind == SPRING4, batch%spring(j), time(i), h(i), last, i, spring)
          now = q(i, :) - spring%zero(i, :)
          length = q(i, 1) + batch%xl0(j, 1)
          per = length_of(batch, j, spring%zero(i, 1))
@@ -52,7 +52,7 @@ contains
          end do
          spring%energy(i, :) = spring%energy(i, :) + (now - last)* &
             (0.5_wp*(f(i, :) + state%fe(i, :)) + state%fd(i, :))
-         call fail_spring(batch, j, i, h, now, per, f(i, :) + state%fd(i, :), state, spring)
+         call fail_spring(batch, j, i, h(i), now, per, f(i, :) + state%fd(i, :), state, spring)
       end do
    end subroutine hardened_forces
 

@@ -22,7 +22,7 @@ contains
    subroutine move_leads(model, midpoint, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)               !! of the leads of each block
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
@@ -53,8 +53,8 @@ contains
    !> Half a kick, and half a step of the impulses of joints and of loads on secondary nodes
    pure subroutine half_kick(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h(lo:hi)
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i
@@ -63,12 +63,12 @@ contains
          own_f => state%own_f, own_t => state%own_t)
          !$omp simd
          do i = lo, min(hi, model%n_body)
-            p(i, 1) = p(i, 1) + 0.5_wp*h*(f(i, 1) - own_f(i, 1))
-            p(i, 2) = p(i, 2) + 0.5_wp*h*(f(i, 2) - own_f(i, 2))
-            p(i, 3) = p(i, 3) + 0.5_wp*h*(f(i, 3) - own_f(i, 3))
-            l(i, 1) = l(i, 1) + 0.5_wp*h*(t(i, 1) - own_t(i, 1))
-            l(i, 2) = l(i, 2) + 0.5_wp*h*(t(i, 2) - own_t(i, 2))
-            l(i, 3) = l(i, 3) + 0.5_wp*h*(t(i, 3) - own_t(i, 3))
+            p(i, 1) = p(i, 1) + 0.5_wp*h(i)*(f(i, 1) - own_f(i, 1))
+            p(i, 2) = p(i, 2) + 0.5_wp*h(i)*(f(i, 2) - own_f(i, 2))
+            p(i, 3) = p(i, 3) + 0.5_wp*h(i)*(f(i, 3) - own_f(i, 3))
+            l(i, 1) = l(i, 1) + 0.5_wp*h(i)*(t(i, 1) - own_t(i, 1))
+            l(i, 2) = l(i, 2) + 0.5_wp*h(i)*(t(i, 2) - own_t(i, 2))
+            l(i, 3) = l(i, 3) + 0.5_wp*h(i)*(t(i, 3) - own_t(i, 3))
          end do
       end associate
       call kick(model, state, h, lo, hi)
@@ -77,8 +77,8 @@ contains
    !> Angular velocities after the first half kick, and half of the turn that goes with them
    pure subroutine half_turn(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h(lo:hi)
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i, k
@@ -87,7 +87,7 @@ contains
       do k = 1, 3
          !$omp simd
          do i = lo, hi
-            state%poses%psi(i, k) = 0.5_wp*h*state%poses%w(i, k)
+            state%poses%psi(i, k) = 0.5_wp*h(i)*state%poses%w(i, k)
             state%poses%w_left(i, k) = state%poses%w(i, k)
             state%poses%v(i, k) = state%v(i, k)
          end do
@@ -97,8 +97,8 @@ contains
    !> Angular velocities in the pose reached, the other half of the turn, and no forces yet
    pure subroutine open_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
       integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h(lo:hi)
       type(consistent_state_t), intent(inout) :: state
 
       integer :: i, k
@@ -107,7 +107,7 @@ contains
       do k = 1, 3
          !$omp simd
          do i = lo, hi
-            state%poses%psi(i, k) = state%poses%psi(i, k) + 0.5_wp*h*state%poses%w(i, k)
+            state%poses%psi(i, k) = state%poses%psi(i, k) + 0.5_wp*h(i)*state%poses%w(i, k)
             state%f(i, k) = 0.0_wp
             state%t(i, k) = 0.0_wp
          end do
@@ -121,7 +121,7 @@ contains
    !> inertias
    subroutine look_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
@@ -140,7 +140,7 @@ contains
    !> Second half kick of leads lo..hi and the sum of turns
    subroutine kick_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 

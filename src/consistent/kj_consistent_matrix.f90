@@ -19,8 +19,9 @@ module kj_consistent_matrix
 
    !> What joints see of the leads, joint-independent arrays
    type :: poses_t
-      real(wp) :: time = 0.0_wp
-      real(wp) :: h = 0.0_wp                      !! step that led here, 0 = none
+      ! time, and the step that led here, 0 = none: of joints and leads by their place in a block,
+      ! as far as places are used (team%lanes)
+      real(wp) :: time(BLOCK) = 0.0_wp, h(BLOCK) = 0.0_wp
       real(wp), allocatable :: x(:, :)            !! (n_lead, 3) W
       !> (n_lead, 3) displacement: what joints read, so that a scene may lie far away
       real(wp), allocatable :: d(:, :)

@@ -176,8 +176,9 @@ contains
       do b = 1, size(model%batch)
          if (.not. model%batch(b)%geometry%damped) cycle
          do i = 1, model%batch(b)%n, BLOCK
-            call count_damping(model%batch(b), state%poses%v, state%poses%w, 2.0_wp*share, i, &
-               min(BLOCK, model%batch(b)%n - i + 1), state%joint(b)%block((i - 1)/BLOCK + 1))
+            call count_damping(model%batch(b), state%poses%v, state%poses%w, &
+               spread(2.0_wp*share, 1, BLOCK), i, min(BLOCK, model%batch(b)%n - i + 1), &
+               state%joint(b)%block((i - 1)/BLOCK + 1))
          end do
       end do
       work = work + share*load_power(model, state)

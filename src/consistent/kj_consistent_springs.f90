@@ -48,8 +48,8 @@ contains
          n = min(BLOCK, hi - from + 1)
          at = (from - 1)/BLOCK + 1
          associate (state => joint%block(at))
-            if (batch%geometry%damped .and. poses%h > 0.0_wp) call count_damping(batch, poses%v, &
-               poses%w_left, poses%h, from, n, state)
+            if (batch%geometry%damped .and. poses%h(1) > 0.0_wp) &
+               call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
             call coordinates(batch, poses, from, n, state%q, q, state%b, rot)
             call laws(batch, curves, poses, from, n, q, at, joint, f, lost)
             call keep_coordinates(n, sprung, q, f, state)

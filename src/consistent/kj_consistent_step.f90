@@ -49,6 +49,7 @@ contains
       end if
       state%cycle = min(state%cycle, huge(state%cycle) - 1) + 1     ! no more can be counted
       state%time = state%time + h
+      call set_clock(model, h, state)
       call to_new_pose(MOVE, KICKING, model, step, state)
    end subroutine split_step
 
@@ -67,8 +68,21 @@ contains
       state%mean = target
       state%final = target
       state%active = active
+      call set_clock(model, h, state)
       call to_new_pose(OPEN, NOTHING, model, step, state)
    end subroutine find_forces
+
+   !> The time of the new pose and the step to it, as kernels read them
+   pure subroutine set_clock(model, h, state)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+
+      associate (n => model%team%lanes)
+         state%poses%time(:n) = state%time
+         state%poses%h(:n) = h
+      end associate
+   end subroutine set_clock
 
    !> Leads come to the new pose, forces of all but the dampers follow, these from what leads look
    !> at then, and the end of the step. Leads do all that lies between two looks of the joints in
@@ -85,9 +99,7 @@ contains
       call for_leads(first, model, step, state)
       if (size(model%placed) > 0) call place_nodes(model, state)
       call find_gravity(model, state)
-      state%poses%time = state%time
-      state%poses%h = step%h
-      call for_joints(SPRINGS, model, step, state)
+      call for_joints(SPRINGS, model, state)
       if (is_loaded(model, state)) then
          call for_leads(GATHERING + WEIGH, model, step, state)
       else
@@ -101,7 +113,7 @@ contains
          call for_leads(before, model, step, state)
       end if
       if (model%damped) then
-         call for_joints(DAMPERS, model, step, state)
+         call for_joints(DAMPERS, model, state)
          call for_leads(GATHERING + last, model, step, state)
       end if
       if (last == KICKING) call count_work(SECOND_HALF, state)
@@ -135,10 +147,9 @@ contains
    end subroutine for_leads
 
    !> Something with all joints
-   subroutine for_joints(what, model, step, state)
+   subroutine for_joints(what, model, state)
       integer, intent(in) :: what
       type(consistent_model_t), intent(in) :: model
-      type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
       integer :: piece
@@ -146,13 +157,13 @@ contains
       associate (team => model%team)
          if (team%threads == 1) then
             do piece = 1, size(team%joint, 2)
-               call work_on_joints(what, team%joint(:, piece), model, step, state)
+               call work_on_joints(what, team%joint(:, piece), model, state)
             end do
             return
          end if
          !$omp parallel do schedule(dynamic, 1) num_threads(team%threads)
          do piece = 1, size(team%joint, 2)
-            call work_on_joints(what, team%joint(:, piece), model, step, state)
+            call work_on_joints(what, team%joint(:, piece), model, state)
          end do
       end associate
    end subroutine for_joints
@@ -169,12 +180,12 @@ contains
 
       do lo = piece(1), piece(2), BLOCK
          hi = min(lo + BLOCK - 1, piece(2))
-         if (has(MOVE)) call move_leads(model, step%midpoint, step%h, lo, hi, state)
-         if (has(OPEN)) call open_leads(model, step%h, lo, hi, state)
+         if (has(MOVE)) call move_leads(model, step%midpoint, state%poses%h, lo, hi, state)
+         if (has(OPEN)) call open_leads(model, state%poses%h, lo, hi, state)
          if (has(GATHERING)) call gather(model, lo, hi, state)
          if (has(WEIGH)) call add_gravity(model, lo, hi, state)
-         if (has(LOOK)) call look_leads(model, step%h, lo, hi, state)
-         if (has(KICKING)) call kick_leads(model, step%h, lo, hi, state)
+         if (has(LOOK)) call look_leads(model, state%poses%h, lo, hi, state)
+         if (has(KICKING)) call kick_leads(model, state%poses%h, lo, hi, state)
       end do
 
    contains
@@ -188,11 +199,10 @@ contains
    end subroutine work_on_leads
 
    !> A piece of the joints
-   subroutine work_on_joints(what, piece, model, step, state)
+   subroutine work_on_joints(what, piece, model, state)
       integer, intent(in) :: what
       integer, intent(in) :: piece(3)                !! batch, first joint, last joint
       type(consistent_model_t), intent(in) :: model
-      type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
       associate (b => piece(1), lo => piece(2), hi => piece(3))
@@ -201,8 +211,8 @@ contains
             call add_springs(model%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &
                state%wrench)
          case (DAMPERS)
-            call add_dampers(model%batch(b), model%curves, state%poses, step%h, lo, hi, &
-               state%joint(b), state%wrench)
+            call add_dampers(model%batch(b), model%curves, state%poses, lo, hi, state%joint(b), &
+               state%wrench)
          end select
       end associate
    end subroutine work_on_joints

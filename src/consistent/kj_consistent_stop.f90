@@ -37,7 +37,8 @@ contains
    pure subroutine add_limits(batch, curves, time, h, from, n, before, q, slid, state, f, lost)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      real(wp), intent(in) :: time, h            !! now, and the step that led here (0: none)
+      !> now, and the step that led here (0: none)
+      real(wp), intent(in) :: time(BLOCK), h(BLOCK)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)   !! coordinates at time - h, time
       real(wp), intent(in) :: slid(BLOCK, NDOF)  !! way of the step that friction sees
@@ -66,7 +67,7 @@ contains
    !> Stops of directions that are not combined
    pure subroutine stop_plain(batch, h, from, n, before, q, state, f)
       type(joint_batch_t), intent(in) :: batch
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(limit_block_t), intent(inout) :: state
@@ -90,7 +91,7 @@ contains
             f(i, dof) = f(i, dof) + k*over
             state%stored(i) = state%stored(i) + 0.5_wp*k*over**2
             state%flag(i, dof) = DOF_AT_STOP
-            state%c_limit(i, dof) = state%c_limit(i, dof) + stop_damping(batch, h, j, dof, k, &
+            state%c_limit(i, dof) = state%c_limit(i, dof) + stop_damping(batch, h(i), j, dof, k, &
                abs(over), q(i, dof) - before(i, dof))
          end do
       end do
@@ -111,7 +112,7 @@ contains
    !> alone, with the least radius and the largest stiffness of them
    pure subroutine stop_combined(batch, h, from, n, first, before, q, state, f)
       type(joint_batch_t), intent(in) :: batch
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: from, n, first
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(limit_block_t), intent(inout) :: state
@@ -153,7 +154,7 @@ contains
             way = way + d(dof)*(q(i, first + dof) - before(i, first + dof))
          end do
          state%stored(i) = state%stored(i) + 0.5_wp*k*over**2
-         state%c_round(i, first/3 + 1) = stop_damping(batch, h, j, stiffest, k, over, way)
+         state%c_round(i, first/3 + 1) = stop_damping(batch, h(i), j, stiffest, k, over, way)
       end do
    end subroutine stop_combined
 
@@ -162,7 +163,7 @@ contains
    !> the damping forces of the block
    pure subroutine damp_round_stops(state, h, n, rate, s, change)
       type(limit_block_t), intent(in) :: state
-      real(wp), intent(in) :: h
+      real(wp), intent(in) :: h(BLOCK)
       integer, intent(in) :: n
       real(wp), intent(in) :: rate(BLOCK, NDOF)  !! predicted
       real(wp), intent(in) :: s(BLOCK, 21)       !! B M^-1 B^T, lower triangle by rows
@@ -183,8 +184,8 @@ contains
                   sd(k) = sd(k) + s(i, max(k, l)*(max(k, l) - 1)/2 + min(k, l))*d(l)
                end do
             end do
-            f = c*(dot_product(d, rate(i, :)) - 0.5_wp*h*dot_product(sd, change(i, :)))/ &
-               (1.0_wp + 0.5_wp*h*c*dot_product(d, sd))
+            f = c*(dot_product(d, rate(i, :)) - 0.5_wp*h(i)*dot_product(sd, change(i, :)))/ &
+               (1.0_wp + 0.5_wp*h(i)*c*dot_product(d, sd))
             change(i, :) = change(i, :) + f*d
          end do
       end do
@@ -195,7 +196,7 @@ contains
    !> sensor lets go, what the lock holds is lost.
    pure subroutine lock(batch, time, h, from, n, before, q, state, f, lost)
       type(joint_batch_t), intent(in) :: batch
-      real(wp), intent(in) :: time, h
+      real(wp), intent(in) :: time(BLOCK), h(BLOCK)
       integer, intent(in) :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(limit_block_t), intent(inout) :: state
@@ -208,11 +209,11 @@ contains
       do i = 1, n
          j = from + i - 1
          associate (l => batch%limit)
-            holds = time > l%t_lock(j) .and. time <= l%t_free(j)
+            holds = time(i) > l%t_lock(j) .and. time(i) <= l%t_free(j)
             if (.not. (holds .or. state%locked(i) > 0.0_wp)) cycle
             if (.not. state%locked(i) > 0.0_wp) then
                part = 1.0_wp
-               if (h > 0.0_wp) part = max(0.0_wp, 1.0_wp - (time - l%t_lock(j))/h)
+               if (h(i) > 0.0_wp) part = max(0.0_wp, 1.0_wp - (time(i) - l%t_lock(j))/h(i))
                state%q_lock(i, :) = before(i, :) + part*(q(i, :) - before(i, :))
             end if
             state%locked(i) = merge(1.0_wp, 0.0_wp, holds)
@@ -236,7 +237,7 @@ contains
                state%flag(i, dof) = DOF_LOCKED
                if (.not. m > 0.0_wp) cycle
                state%c_limit(i, dof) = state%c_limit(i, dof) + l%cr(j)*sqrt(k*m)* &
-                  min(1.0_wp, (time - l%t_lock(j))*sqrt(k/m)/TWO_PI)
+                  min(1.0_wp, (time(i) - l%t_lock(j))*sqrt(k/m)/TWO_PI)
             end do
          end associate
       end do

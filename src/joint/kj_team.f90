@@ -16,6 +16,7 @@ module kj_team
    !> The pieces: whole blocks
    type :: team_t
       integer :: threads = 1
+      integer :: lanes = 0                        !! places of a block that are used
       integer, allocatable :: joint(:, :)         !! (3, pieces) batch, first joint, last joint
       integer, allocatable :: lead(:, :)          !! (2, pieces) first, last lead
    end type team_t
@@ -31,6 +32,7 @@ contains
 
       integer :: b, k, from, step
 
+      team%lanes = min(BLOCK, max(n_lead, maxval(n_joint)))
       team%threads = max(1, min(threads, max(sum(n_joint), n_lead)/max(1, least)))
       step = piece_length(sum(n_joint), team%threads)
       allocate (team%joint(3, sum((n_joint + step - 1)/step)))
