@@ -9,17 +9,27 @@ import subprocess
 import sys
 from typing import Any
 
+from ._error import Error
+
 # Tableau's colours for the colour blind
 COLOURS = ("#006ba4", "#ff800e", "#595959", "#5f9ed1", "#c85200", "#898989", "#a2c8ec", "#ffbc79")
 
 
 def fail(message: Any, code: Any = 2) -> None:
-    print(f"error: {message}", file=sys.stderr)
-    sys.exit(code)
+    raise Error(message, code)
+
+
+def command(main: Any) -> None:
+    """A command: what goes wrong is said, and is its exit code."""
+    try:
+        main()
+    except Error as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(error.status)
 
 
 def need(what: Any, *names: Any) -> Any:
-    """Modules that a command needs, or the end of the program with what to install."""
+    """Modules that a command needs. Error: one is missing, with how to install it."""
     found = []
     for name in names:
         try:
@@ -40,11 +50,10 @@ def program() -> Any:
 
 
 def call(*words: Any, codes: Any = (0,)) -> Any:
-    """What the program prints; it has said what went wrong when that is the end."""
+    """What the program prints. Error: what it has to say when its exit code is none of `codes`."""
     done = subprocess.run([program(), *map(str, words)], capture_output=True, text=True, check=False)
     if done.returncode not in codes:
-        sys.stderr.write(done.stderr or done.stdout)
-        sys.exit(done.returncode)
+        fail((done.stderr or done.stdout).strip().removeprefix("error: "), done.returncode)
     return done.stdout
 
 

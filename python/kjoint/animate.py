@@ -14,7 +14,7 @@ import shutil
 from typing import Any
 
 from ._scene import Scene
-from ._show import fail, need
+from ._show import command, fail, need
 
 RATE = 25                                        # pictures a second
 TRAIL = 40                                       # pictures that the trail of a joint shows
@@ -150,4 +150,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(main)

@@ -8,7 +8,7 @@ import argparse
 import os
 from typing import Any
 
-from ._show import COLOURS, Units, export, fail, need
+from ._show import COLOURS, Units, command, export, fail, need
 
 STANDARD = ["kinetic_energy_* internal_energy external_work", "joint/force.norm", "joint/moment.norm"]
 DASHES = ("-", "--", ":", "-.")
@@ -124,4 +124,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(main)

@@ -16,7 +16,7 @@ import tempfile
 from typing import Any
 
 from ._scene import Scene
-from ._show import Units, call, fail, need
+from ._show import Units, call, command, fail, need
 
 MOST_SAMPLES = 2000                              # of curves; more are thinned evenly
 MOST_FRAMES = 200                                # of the moving picture
@@ -310,4 +310,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(main)

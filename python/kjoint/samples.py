@@ -318,8 +318,11 @@ class Run(Samples):
             import h5py
         except ImportError as error:
             raise ImportError("kjoint.Run needs h5py: python3 -m pip install 'kjoint[plot]'") from error
-        with h5py.File(self.path, "r") as file:
-            yield file
+        try:
+            with h5py.File(self.path, "r") as file:
+                yield file
+        except (OSError, KeyError) as error:
+            raise Error(f"cannot read {self.path}: {error}", 3) from error
 
     @staticmethod
     def _time_series(file: Any) -> Iterator[str]:

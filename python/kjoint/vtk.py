@@ -12,7 +12,7 @@ import pathlib
 from typing import Any
 
 from ._scene import Scene
-from ._show import fail, need
+from ._show import command, fail, need
 
 
 def mesh(scene: Any) -> Any:
@@ -123,4 +123,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(main)

@@ -6,7 +6,7 @@
 !> the Python package objective-rating-metrics: tests/diff/check_iso18571.py.
 module kj_iso18571
    use, intrinsic :: iso_fortran_env, only: int8
-   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
    use kj_kinds, only: wp
    implicit none
    private
@@ -171,14 +171,15 @@ contains
       real(wp), intent(in) :: t(n), c(n)
       integer(int8), intent(out) :: from(-width:width, n)
 
-      real(wp) :: before(-width - 1:width + 1), now(-width - 1:width + 1), best
+      real(wp) :: before(-width - 1:width + 1), now(-width - 1:width + 1), best, infinity
       integer :: i, j, k
 
       from = DIAGONAL
-      now = huge(1.0_wp)
+      infinity = ieee_value(1.0_wp, ieee_positive_inf)     ! dearer than squares that overflow
+      now = infinity
       do i = 1, n
          before = now
-         now = huge(1.0_wp)
+         now = infinity
          do k = max(-width, 1 - i), min(width, n - i)
             j = i + k
             best = 0.0_wp
