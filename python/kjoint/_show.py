@@ -53,7 +53,10 @@ def call(*words: Any, codes: Any = (0,)) -> Any:
     """What the program prints. Error: what it has to say when its exit code is none of `codes`."""
     done = subprocess.run([program(), *map(str, words)], capture_output=True, text=True, check=False)
     if done.returncode not in codes:
-        fail((done.stderr or done.stdout).strip().removeprefix("error: "), done.returncode)
+        said = done.stderr.strip().removeprefix("error: ")
+        if not said and done.stdout.startswith("{"):
+            said = json.loads(done.stdout)["findings"][-1]["message"]
+        fail(said, done.returncode)
     return done.stdout
 
 

@@ -214,7 +214,7 @@ class Page:
         if starter:
             folder = pathlib.Path(self.folder.name)
             for name, (text, _, _) in self.inputs.items():
-                (folder / pathlib.Path(name).name).write_text(text)
+                (folder / pathlib.Path(name).name).write_text(text, encoding="utf-8")
             words = ["check", folder / pathlib.Path(starter).name, "--json"]
             words += ["--legacy"] if "--legacy" in self.provenance.get("command_line", "") else []
             told = json.loads(call(*words, codes=(0, 1, 2)))
@@ -283,7 +283,7 @@ class Page:
             comparison=comparison, provenance=self.origin(), plotly=packed(code.read_bytes()),
             numbers=self.numbers.packed(),
             meta=json.dumps(self.meta, separators=(",", ":")).replace("</", "<\\/"))
-        pathlib.Path(path).write_text(text, encoding="utf-8")
+        pathlib.Path(path).write_text(text, encoding="utf-8", errors="replace")     # names may be no UTF-8
 
 
 def rows(lines: Any) -> Any:

@@ -321,7 +321,9 @@ class Run(Samples):
         try:
             with h5py.File(self.path, "r") as file:
                 yield file
-        except (OSError, KeyError) as error:
+        except Error:
+            raise
+        except (OSError, KeyError, RuntimeError, AttributeError) as error:     # h5py gives None for what it cannot open
             raise Error(f"cannot read {self.path}: {error}", 3) from error
 
     @staticmethod

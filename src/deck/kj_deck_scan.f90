@@ -6,7 +6,7 @@ module kj_deck_scan
    use kj_spelling, only: upper
    use kj_deck_text, only: deck_t, source_t, block_t, submodel_t, add_deck_finding, line_text, &
       report_line, add_line, add_source, move_source, add_block, load_source, next_line, &
-      folder_of, add_file_finding
+      first_byte, folder_of, add_file_finding
    use kj_header, only: read_heading
    implicit none
    private
@@ -16,7 +16,6 @@ module kj_deck_scan
    integer, parameter :: DEEPEST = 50           !! files that include each other
    integer, parameter :: MOST_FILES = 10000     !! of a deck
    integer(int64), parameter :: MOST_BYTES = 4_int64*2**30   !! of all of them
-   character(len=3), parameter :: BYTE_ORDER_MARK = char(239)//char(187)//char(191)
 
    !> Where the scan stands
    type :: scan_t
@@ -83,10 +82,7 @@ contains
       scan%depth = scan%depth + 1
       scan%open(scan%depth) = s
       number = 0
-      first = 1
-      if (len(deck%source(s)%text) >= 3) then
-         if (deck%source(s)%text(:3) == BYTE_ORDER_MARK) first = 4
-      end if
+      first = first_byte(deck%source(s)%text)
       do while (first <= len(deck%source(s)%text))
          number = number + 1
          call next_line(deck%source(s)%text, first, last, next)

@@ -16,7 +16,7 @@ module kj_deck_text
    public :: source_t, block_t, deck_t, submodel_t, id_shift, line_text, place_of, title_of, &
       first_card, block_factors, add_deck_finding, report_file, report_header, report_line, &
       header_end, lengthen, mute_block, add_line, add_source, move_source, add_block, load_source, &
-      next_line, folder_of, add_file_finding, block_at, kind_word
+      next_line, first_byte, folder_of, add_file_finding, block_at, kind_word
 
    character(len=*), parameter, public :: FLAT = 'flat'   !! role of a source made of others
 
@@ -446,7 +446,36 @@ contains
       !$omp critical (kj_source_file)
       call read_file(path, source%text, problem)
       !$omp end critical (kj_source_file)
+      if (problem == '') call judge_text(source%text, problem)
+      if (problem /= '') source%text = ''
    end subroutine load_source
+
+   !> What is no text that can be read as lines
+   pure subroutine judge_text(text, problem)
+      character(len=*), intent(in) :: text
+      character(len=:), allocatable, intent(inout) :: problem
+
+      integer :: n
+
+      if (len(text) < 4) return
+      n = min(len(text), 100000)                 ! decks may be large
+      if (any(text(:2) == [char(255)//char(254), char(254)//char(255)]) .or. &
+         (text(:1) > char(0) .and. text(2:2) == char(0) .and. text(4:4) == char(0))) then
+         problem = 'it is UTF-16: save it as UTF-8'
+      else if (text(:2) == char(31)//char(139)) then
+         problem = 'it is packed by gzip'
+      else if (index(text(:n), char(13)) > 0 .and. index(text(:n), char(10)) == 0) then
+         problem = 'its lines end in CR: save it with LF or CR LF'
+      end if
+   end subroutine judge_text
+
+   !> Where the lines of a text begin: behind a byte order mark
+   pure integer function first_byte(text) result(first)
+      character(len=*), intent(in) :: text
+
+      first = 1
+      if (text(:min(3, len(text))) == char(239)//char(187)//char(191)) first = 4
+   end function first_byte
 
    subroutine read_file(path, text, problem)
       character(len=*), intent(in) :: path

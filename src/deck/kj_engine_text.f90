@@ -5,7 +5,7 @@ module kj_engine_text
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_TEXT, &
       NUMBER_NOT_FINITE
    use kj_deck_text, only: deck_t, add_deck_finding, line_text, report_line, add_line, &
-      load_source, next_line, add_file_finding
+      load_source, next_line, first_byte, add_file_finding
    implicit none
    private
 
@@ -37,7 +37,7 @@ contains
       if (.not. deck%readable) call add_file_finding('KJ-9030', &
          'the engine deck cannot be read: '//problem, path, 0, '', 0, 0, deck%findings)
       number = 0
-      first = 1
+      first = first_byte(deck%source(1)%text)
       do while (first <= len(deck%source(1)%text))
          number = number + 1
          call next_line(deck%source(1)%text, first, last, next)

@@ -617,6 +617,21 @@ class Errors(Program):
         self.deck_with("/END", "#include 0.inc\n/END")
         self.assertIn("more than 10000 files", self.kjoint("check", "REV01_0000.rad", code=3).stderr)
 
+    def test_what_is_no_text_of_lines_is_not_read(self):
+        deck, engine = self.starter.read_bytes(), self.engine.read_bytes()
+        for path, whole in ((self.starter, deck), (self.engine, engine)):
+            text = whole.decode()
+            for wrong, said in ((text.encode("utf-16"), "UTF-16"), (text.encode("utf-16-le"), "UTF-16"),
+                                (gzip.compress(whole), "gzip"), (whole.replace(b"\n", b"\r"), "end in CR")):
+                path.write_bytes(wrong)
+                self.assertIn(said, self.kjoint("check", "REV01_0000.rad", code=3).stderr)
+            # a byte order mark is none of the first line, here /RUN
+            path.write_bytes(b"\xef\xbb\xbf" + whole)
+            self.assertEqual("", self.kjoint("check", "REV01_0000.rad").stderr)
+            path.write_bytes(whole)
+        self.engine.write_bytes(b"\xef\xbb\xbf" + engine[engine.index(b"/RUN"):])
+        self.assertEqual("", self.kjoint("check", "REV01_0000.rad").stderr)
+
     def test_what_is_no_regular_file_is_not_read(self):
         os.mkfifo(self.folder / "pipe.inc")
         self.deck_with("/END", "#include pipe.inc\n/END")
