@@ -53,3 +53,32 @@ function(kjoint_library target)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${install_mods}>)
 endfunction()
+
+# Compile kernels of a library for x86-64, -v3 and -v4: kj_kernels.c chooses at start
+option(KJOINT_VARIANTS "Kernels for x86-64-v3 and -v4, too, chosen at start" ON)
+function(kjoint_kernels target)
+  set(chosen src/base/kj_kernels.c)
+  set(machine ${CMAKE_SYSTEM_PROCESSOR})
+  if(KJOINT_MARCH)
+    set(machine ${KJOINT_MARCH})
+  endif()
+  set_property(SOURCE ${chosen} PROPERTY COMPILE_DEFINITIONS "KJOINT_MACHINE=\"${machine}\"")
+  if(NOT KJOINT_VARIANTS OR KJOINT_MARCH OR KJOINT_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug"
+     OR NOT CMAKE_GENERATOR MATCHES "Ninja|Makefiles" OR NOT CMAKE_SYSTEM_NAME STREQUAL "Linux"
+     OR NOT CMAKE_Fortran_COMPILER_ID STREQUAL "GNU" OR CMAKE_INTERPROCEDURAL_OPTIMIZATION)
+    return()
+  endif()
+  check_source_compiles(C "#if !defined __x86_64__ || defined __ILP32__
+    #error not x86-64
+    #endif
+    int main(void) { return __builtin_cpu_supports(\"x86-64-v4\"); }" KJOINT_CHOOSES_KERNELS)
+  if(KJOINT_CHOOSES_KERNELS)
+    set_property(SOURCE ${chosen} PROPERTY COMPILE_DEFINITIONS KJOINT_VARIANTS)
+    set_property(TARGET ${target} APPEND PROPERTY Fortran_COMPILER_LAUNCHER
+      ${PROJECT_SOURCE_DIR}/cmake/kjoint_variants.sh)
+    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS
+      -mprefer-vector-width=256 -march=x86-64-v4 -march=x86-64-v3 -march=x86-64)
+    set_property(SOURCE ${ARGN} APPEND PROPERTY OBJECT_DEPENDS
+      ${PROJECT_SOURCE_DIR}/cmake/kjoint_variants.sh)
+  endif()
+endfunction()

@@ -8,7 +8,7 @@ module kj_system
    private
 
    public :: file_kind, remove_file, sync_file, absolute_path, host_name, date_time, &
-      wall_clock, thread_clock
+      wall_clock, thread_clock, kj_kernel_machine
 
    !> struct timespec
    type, bind(c) :: c_time_t
@@ -25,6 +25,11 @@ module kj_system
          import :: c_int, c_char
          character(kind=c_char), intent(in) :: path(*)
       end function c_file_kind
+      !> The machine that the kernels at work are compiled for, x86-64-v3 say
+      subroutine kj_kernel_machine(name) bind(c)
+         import :: c_char
+         character(kind=c_char), intent(out) :: name(16)
+      end subroutine kj_kernel_machine
       integer(c_int) function c_clock_gettime(clock, time) bind(c, name='clock_gettime')
          import :: c_int, c_time_t
          integer(c_int), value :: clock

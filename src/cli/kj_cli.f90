@@ -3,13 +3,14 @@ module kj_cli
    use kj_error, only: error_t, finding_list_t, add_finding
    use kj_json_writer, only: json_member, json_findings
    use kj_version, only: KJOINT_VERSION
+   use kj_system, only: kj_kernel_machine
    use kj_info, only: describe_history
    use kj_recover, only: recover_history
    use kj_new_command, only: new_command
    use kj_option, only: arguments_t, word_t, parse_arguments, CMD_RUN, CMD_CHECK, CMD_DIFF, &
       CMD_CONVERT, CMD_EXPORT, CMD_PLOT, CMD_ANIMATE, CMD_REPORT, CMD_INFO, CMD_STUDY, &
       CMD_SWEEP, CMD_FIT, CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, CMD_LIST, CMD_NEW, CMD_HELP, &
-      CMD_VERSION, OPT_JSON
+      CMD_VERSION, OPT_JSON, OPT_VERBOSE
    use kj_terminal, only: print_line, print_text, may_colour, STDERR
    use kj_render, only: print_failure
    use kj_list, only: print_table
@@ -38,6 +39,7 @@ contains
       type(error_t), allocatable :: error
       type(finding_list_t) :: findings
       character(len=:), allocatable :: text, topic
+      character :: machine(16)
 
       call get_words(words)
       call parse_arguments(words, args, error)
@@ -86,6 +88,9 @@ contains
             call print_help_on(topic, args%given(OPT_JSON), error)
          case (CMD_VERSION)
             call print_line('kjoint '//KJOINT_VERSION)
+            call kj_kernel_machine(machine)
+            topic = 'kernels '//trim(transfer(machine, repeat(' ', 16)))
+            if (args%given(OPT_VERBOSE)) call print_line(topic)
          end select
       end if
       if (.not. allocated(error)) return

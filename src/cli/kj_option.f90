@@ -108,8 +108,9 @@ module kj_option
                'no dates or host in the file: equal runs are equal bytes'), &
       option_t(OPT_QUIET,        '-q', '--quiet',             '',       'run check study sweep fit extract', &
                'errors and warnings only'), &
-      option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check extract', &
-               'notes with their cards, a line every /PRINT cycles instead of every 10 s'), &
+      option_t(OPT_VERBOSE,      '-v', '--verbose',           '',       'run check extract --version', &
+               'notes with their cards, a line every /PRINT cycles, not every 10 s; --version: '// &
+               'for which machine the kernels are'), &
       option_t(OPT_JSON,         '',   '--json',              '',       'run check study diff info extract convert list help', &
                'the answer as one JSON object on stdout'), &
       option_t(OPT_PROFILE,      '',   '--profile',           'NAME',   'diff', &

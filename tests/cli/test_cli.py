@@ -65,6 +65,7 @@ class Usage(Program):
     def test_version_is_that_of_the_project(self):
         version = os.environ.get("KJOINT_VERSION")
         self.assertEqual(f"kjoint {version}\n", self.kjoint("--version").stdout)
+        self.assertRegex(self.kjoint("--version", "--verbose").stdout, rf"^kjoint {version}\nkernels \S+\n$")
 
     def test_every_command_of_the_help_has_a_help(self):
         lines = self.kjoint("help").stdout.split("Options of")[0].splitlines()

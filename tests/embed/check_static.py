@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 
-CONSTANT = re.compile(r"__vtab_|__def_init_|jumptable|__hash_|^\.|^A\.\d|^\.?LC|__asan|__odr|__ubsan|ubsan_")
+CONSTANT = re.compile(r"__vtab_|__def_init_|jumptable|__hash_|^\.|^A\.\d|^\.?LC|__asan|__odr|__ubsan|ubsan_|\.at$|^kj_kernel$")
 
 if not shutil.which("nm"):
     sys.exit(77)
