@@ -11,7 +11,8 @@ from __future__ import annotations
 import argparse
 import pathlib
 import shutil
-from typing import Any
+import subprocess
+from typing import Any, Iterator
 
 from ._scene import Scene
 from ._show import command, fail, need
@@ -21,40 +22,52 @@ TRAIL = 40                                       # pictures that the trail of a 
 
 
 def draw_film(scene: Any, options: Any) -> None:
-    np, plt, animation = need("animate", "numpy", "matplotlib.pyplot", "matplotlib.animation")
+    np, plt = need("animate", "numpy", "matplotlib.pyplot")
     plt.switch_backend("Agg")
     suffix = pathlib.Path(options.output).suffix
+    plt.rcParams["figure.dpi"] = 70 if suffix == ".gif" else 110
     picture = Picture(np, plt, scene, options.colour)
     if suffix == ".png":
         at = scene.time[-1] if options.at is None else options.at
         last = int(np.abs(scene.time - at).argmin())
         picture.show(last, np.linspace(0, last, min(last + 1, TRAIL * 5)).astype(int))
-        picture.figure.savefig(options.output, dpi=110)
+        picture.figure.savefig(options.output)
         return
     n = max(2, min(len(scene.time), round(options.seconds * RATE)))
     times = np.linspace(scene.time[0], scene.time[-1], n)
     frames = np.searchsorted(scene.time, times).clip(0, len(scene.time) - 1)
-
-    def frame(k: Any) -> Any:
-        picture.show(frames[k], frames[max(0, k - TRAIL):k + 1])
-        return []
-
+    size = picture.figure.canvas.get_width_height()
+    pictures = (picture.pixels(frames[k], np.linspace(frames[max(0, k - TRAIL)], frames[k], TRAIL * 5).astype(int))
+                for k in range(n))
     if suffix == ".gif":
-        need("animate", "PIL")
-        writer, dpi = animation.PillowWriter(fps=RATE), 70
+        Image, = need("animate", "PIL.Image")
+        first, *others = (Image.frombuffer("RGBA", size, pixels).convert("RGB").quantize() for pixels in pictures)
+        first.save(options.output, save_all=True, append_images=others, duration=1000 // RATE, loop=0)
     else:
-        if not shutil.which("ffmpeg"):
-            plt.rcParams["animation.ffmpeg_path"] = need("animate FILE.mp4",
-                                                         "imageio_ffmpeg")[0].get_ffmpeg_exe()
-        writer, dpi = animation.FFMpegWriter(
-            fps=RATE, codec="libx264", extra_args=["-pix_fmt", "yuv420p", "-vf",
-                                                   "pad=ceil(iw/2)*2:ceil(ih/2)*2"]), 110
-    animation.FuncAnimation(picture.figure, frame, frames=n, blit=False).save(
-        options.output, writer=writer, dpi=dpi)
+        write_film(options.output, size, pictures)
+
+
+def write_film(path: str, size: tuple[int, int], pictures: Iterator[bytes]) -> None:
+    """Pictures of (width, height) pixels, RGBA, into an mp4"""
+    ffmpeg = shutil.which("ffmpeg") or need("animate FILE.mp4", "imageio_ffmpeg")[0].get_ffmpeg_exe()
+    words = [ffmpeg, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", "{}x{}".format(*size),
+             "-r", str(RATE), "-i", "-", "-c:v", "libx264", "-pix_fmt", "yuv420p",
+             "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", path]
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdin and process.stderr
+        try:
+            for pixels in pictures:
+                process.stdin.write(pixels)
+            process.stdin.close()
+        except BrokenPipeError:
+            pass                                 # it says why
+        said = process.stderr.read().decode(errors="replace").strip()
+    if process.returncode:
+        raise OSError(said.splitlines()[-1] if said else "ffmpeg failed")
 
 
 class Picture:
-    """One figure, whose lines and points move."""
+    """One figure, whose lines and points move before a background that is drawn once."""
 
     def __init__(self, np: Any, plt: Any, scene: Any, colour: Any) -> None:
         self.np, self.scene = np, scene
@@ -105,9 +118,26 @@ class Picture:
             self.dots.set_clim(0.0, max(float(np.nanmax(self.values)), 1e-300))
             self.figure.colorbar(self.dots, ax=axis, shrink=0.7,
                                  label=f"{colour} of the joint [{scene.units[colour]}]")
+        self.title = axis.set_title("", fontsize=10, loc="left", fontfamily="DejaVu Sans")
         self.show(0, [0])
         self.figure.canvas.draw()               # the layout is found once, not for each picture
         self.figure.set_layout_engine("none")
+        self.moving = [*self.lines, *self.trails, self.dots, self.title]
+        for artist in self.moving:
+            artist.set_animated(True)
+        self.figure.canvas.draw()
+        self.background = self.figure.canvas.copy_from_bbox(self.figure.bbox)
+
+    def pixels(self, i: Any, trail: Any) -> bytes:
+        """The picture of sample i, RGBA."""
+        canvas = self.figure.canvas
+        canvas.restore_region(self.background)
+        self.show(i, trail)
+        if len(self.axes) == 3:
+            self.dots.do_3d_projection()
+        for artist in self.moving:
+            self.axis.draw_artist(artist)
+        return bytes(canvas.buffer_rgba())
 
     def show(self, i: Any, trail: Any) -> None:
         scene = self.scene
@@ -122,8 +152,7 @@ class Picture:
             self.dots.set_offsets(place)
         if self.values is not None:
             self.dots.set_array(self.values[i])
-        self.axis.set_title(f"{scene.title}   t = {scene.time[i]:.5g} {scene.units['time']}",
-                            fontsize=10, loc="left", fontfamily="DejaVu Sans")
+        self.title.set_text(f"{scene.title}   t = {scene.time[i]:.5g} {scene.units['time']}")
 
     def put(self, line: Any, xyz: Any) -> None:
         a, b = self.axes[:2]
