@@ -6,9 +6,9 @@ module kj_check_report
       FRAME_APART, FRAME_LINE
    use kj_joint_batch, only: KJOINT2, SPRING4, SPRING8, SPRING13
    use kj_terminal, only: print_line
-   use kj_words, only: left, right, counted
+   use kj_words, only: left, right, counted, few
    use kj_progress, only: span_text
-   use kj_json_writer, only: json_member, json_pair, json_real, json_reals, json_findings, comma
+   use kj_json_writer, only: json_member, json_pair, json_real, json_list, json_findings, comma
    use kj_check_limits, only: print_limits, limits_json, title_width, title_cell
    use kjoint, only: simulation_t, check_t, simulation_title
    implicit none
@@ -54,8 +54,8 @@ contains
       call print_compliant(report)
       if (report%seconds > 0.0_wp) then
          call print_line('')
-         call print_line('run: about '//amount(report%cycles)//' cycles, '// &
-            amount(report%samples)//' samples of '//str(report%values)//' numbers; '// &
+         call print_line('run: about '//few(report%cycles, 3)//' cycles, '// &
+            few(report%samples, 3)//' samples of '//str(report%values)//' numbers; '// &
             span_text(report%seconds)//' at the pace of the first cycles')
       end if
       call print_line('')
@@ -206,23 +206,6 @@ contains
       if (step < 0.5_wp*huge(step)) text = number(step)
    end function step_text
 
-   !> A count in three digits: "951", "40600", "1.23E+09"
-   pure function amount(value) result(text)
-      real(wp), intent(in) :: value
-      character(len=:), allocatable :: text
-
-      character(len=12) :: buffer
-
-      if (value < 1.0e3_wp) then
-         write (buffer, '(i0)') nint(value)
-      else if (value < 1.0e6_wp) then
-         write (buffer, '(i0)') 100*nint(value/100.0_wp)
-      else
-         write (buffer, '(es9.2)') value
-      end if
-      text = trim(adjustl(buffer))
-   end function amount
-
    pure function number(value) result(text)
       real(wp), intent(in) :: value
       character(len=11) :: text
@@ -308,10 +291,8 @@ contains
          ', '//json_member('name', report%joint_title(j)%s)// &
          ', '//json_member('type', trim(type_text(report, j)))// &
          ', '//json_member('property', report%property(j))// &
-         ', '//json_pair('nodes', '['//str(report%node(1, j))//', '// &
-         str(report%node(2, j))//']')// &
-         ', '//json_pair('bodies', '['//str(report%body(1, j))//', '// &
-         str(report%body(2, j))//']')// &
+         ', '//json_pair('nodes', json_list(report%node(:, j)))// &
+         ', '//json_pair('bodies', json_list(report%body(:, j)))// &
          ', '//json_member('frame', trim(frame_text(report%frame(j))))// &
          ', '//json_member('length', report%length(j))// &
          ', '//json_member('blocking_translation', report%blocking(1, j))// &
@@ -329,8 +310,8 @@ contains
       json = '{'//json_member('id', report%body_id(b))// &
          ', '//json_member('name', report%body_title(b)%s)// &
          ', '//json_member('mass', report%mass(b))// &
-         ', '//json_pair('inertia', json_reals(report%inertia(:, b)))// &
-         ', '//json_pair('centre', json_reals(report%centre(:, b)))// &
+         ', '//json_pair('inertia', json_list(report%inertia(:, b)))// &
+         ', '//json_pair('centre', json_list(report%centre(:, b)))// &
          ', '//json_member('secondary_nodes', report%n_secondary(b))// &
          ', '//json_member('joints', report%n_joint(b))// &
          ', '//json_member('held', held_text(report%held(:, b)))// &

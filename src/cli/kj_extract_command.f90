@@ -8,8 +8,8 @@ module kj_extract_command
    use kj_terminal, only: print_line, may_colour, STDERR
    use kj_output, only: write_output
    use kj_render, only: print_findings, print_failure
-   use kj_words, only: counted, short
-   use kj_json_writer, only: json_member, json_pair, json_text, json_reals, json_findings, comma
+   use kj_words, only: counted, few, right
+   use kj_json_writer, only: json_member, json_pair, json_list, json_findings, comma
    use kjoint, only: run_options_t, extract_report_t, extract_mechanism
    implicit none
    private
@@ -87,7 +87,7 @@ contains
       type(extract_report_t), intent(in) :: report
       character(len=:), allocatable :: text
 
-      text = short(mass, 6)//' '//trim(report%symbol(1))
+      text = few(mass, 6)//' '//trim(report%symbol(1))
    end function mass_text
 
    subroutine print_report(starter, path, report)
@@ -132,31 +132,31 @@ contains
       call print_line('      body  main node   mass         of elements  added        '// &
          'of the card  centre; principal inertia')
       do b = 1, size(report%body_id)
-         call print_line(wide(str(report%body_id(b)), 10)//wide(str(report%main(b)), 11)//'   '// &
-            column(report%mass(b))//column(report%from_elements(b))// &
+         call print_line(right(str(report%body_id(b)), 10)//right(str(report%main(b)), 11)// &
+            '   '//column(report%mass(b))//column(report%from_elements(b))// &
             column(report%from_masses(b))//column(report%from_card(b))// &
-            short(report%centre(1, b), 5)//' '//short(report%centre(2, b), 5)//' '// &
-            short(report%centre(3, b), 5)//'; '//short(report%principal(1, b), 5)//' '// &
-            short(report%principal(2, b), 5)//' '//short(report%principal(3, b), 5))
+            three(report%centre(:, b))//'; '//three(report%principal(:, b)))
       end do
       call print_line('')
    end subroutine print_bodies
+
+   !> Three numbers; what is rounding beside the largest is 0
+   function three(x) result(text)
+      real(wp), intent(in) :: x(3)
+      character(len=:), allocatable :: text
+
+      real(wp) :: y(3)
+
+      y = merge(x, 0.0_wp, abs(x) > 1.0e-15_wp*maxval(abs(x)))
+      text = few(y(1), 5)//' '//few(y(2), 5)//' '//few(y(3), 5)
+   end function three
 
    function column(value) result(text)
       real(wp), intent(in) :: value
       character(len=13) :: text
 
-      text = short(value, 6)
-      if (abs(value) <= 1.0e-15_wp) text = '0'
+      text = few(value, 6)
    end function column
-
-   pure function wide(text, n) result(field)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: n
-      character(len=n) :: field
-
-      field = repeat(' ', max(0, n - len(text)))//text
-   end function wide
 
    !> The groups of bodies that joints and springs hold together
    subroutine print_links(report)
@@ -265,9 +265,8 @@ contains
 
       call print_line('{'//json_member('exit_code', code))
       if (allocated(report%acts)) then     ! weighed, even if it cannot be written
-         call print_line(', '//json_member('deck', trim(path))//', '//json_pair('units', '['// &
-            json_text(trim(report%symbol(1)))//', '//json_text(trim(report%symbol(2)))//', '// &
-            json_text(trim(report%symbol(3)))//']'))
+         call print_line(', '//json_member('deck', trim(path))//', '//json_pair('units', &
+            json_list(report%symbol)))
          call print_line(', "kept": {'//json_member('bodies', size(report%body_id))//', '// &
             json_member('joints', report%n_joint)//', '//json_member('springs', report%n_spring)// &
             ', '//json_member('moving_axes', report%n_skew)//', '// &
@@ -296,7 +295,7 @@ contains
                call print_line('{'//json_member('part', p%part)//', '// &
                   json_member('title', p%title%s)//', '//json_member('elements', p%n)//', '// &
                   json_member('void', p%void)//', '//json_member('alone', p%alone)//', '// &
-                  json_pair('bodies', '['//str(p%body(1))//', '//str(p%body(2))//']')//'}'// &
+                  json_pair('bodies', json_list(p%body))//'}'// &
                   comma(i, size(report%bridge)))
             end associate
          end do
@@ -305,7 +304,7 @@ contains
             associate (a => report%acts(i))
                call print_line('{'//json_member('keyword', trim(a%name))//', '// &
                   json_member('what', a%what%s)//', '//json_member('n', &
-                  a%n)//', '//json_pair('bodies', ids_json(a%body))// &
+                  a%n)//', '//json_pair('bodies', json_list(a%body))// &
                   '}'//comma(i, size(report%acts)))
             end associate
          end do
@@ -313,19 +312,6 @@ contains
       end if
       call print_line(', '//json_findings(findings)//'}')
    end subroutine print_json
-
-   pure function ids_json(ids) result(json)
-      integer, intent(in) :: ids(:)
-      character(len=:), allocatable :: json
-
-      integer :: i
-
-      json = '['
-      do i = 1, size(ids)
-         json = json//str(ids(i))//comma(i, size(ids))
-      end do
-      json = json//']'
-   end function ids_json
 
    !> A body: tensor xx yy zz xy yz xz about its centre
    function json_body(report, b) result(json)
@@ -336,9 +322,9 @@ contains
       json = '{'//json_member('id', report%body_id(b))//', '// &
          json_member('name', report%body_name(b)%s)//', '// &
          json_member('main_node', report%main(b))//', '//json_member('mass', report%mass(b))// &
-         ', '//json_pair('centre', json_reals(report%centre(:, b)))//', '// &
-         json_pair('principal', json_reals(report%principal(:, b)))//', '// &
-         json_pair('tensor', json_reals(report%tensor(:, b)))//', '// &
+         ', '//json_pair('centre', json_list(report%centre(:, b)))//', '// &
+         json_pair('principal', json_list(report%principal(:, b)))//', '// &
+         json_pair('tensor', json_list(report%tensor(:, b)))//', '// &
          json_pair('mass_from', '{'//json_member('elements', report%from_elements(b))//', '// &
          json_member('added', report%from_masses(b))//', '// &
          json_member('card', report%from_card(b))//'}')//', '// &

@@ -4,7 +4,7 @@ module kj_study_report
    use kj_error, only: str
    use kj_study_table, only: study_t, trial_t, best_trial, order_of
    use kj_study_metric, only: CLASSES, N_CLASS
-   use kj_words, only: counted
+   use kj_words, only: counted, few
    use kj_json_writer, only: json_member, json_pair
    use kj_terminal, only: print_line
    implicit none
@@ -167,12 +167,12 @@ contains
       end if
       if (t%options%kn /= '') text = text//' --kn '//trim(t%options%kn)
       if (t%options%error > 0.0_wp) then
-         text = text//' --error '//short(t%options%error)
+         text = text//' --error '//few(t%options%error, 6)
          return
       end if
-      if (.not. t%by_deck) text = text//' --dt-scale '//short(t%options%dt_scale)
+      if (.not. t%by_deck) text = text//' --dt-scale '//few(t%options%dt_scale, 6)
       if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) &
-         text = text//' --kn-scale '//short(t%options%kn_scale)
+         text = text//' --kn-scale '//few(t%options%kn_scale, 6)
    end function run_options
 
    !> "split2 0.45" or "split2 0.45, Kn x 0.1"
@@ -181,12 +181,12 @@ contains
       character(len=:), allocatable :: text
 
       if (t%options%error > 0.0_wp) then
-         text = trim(t%options%integrator)//', error '//short(t%options%error)
+         text = trim(t%options%integrator)//', error '//few(t%options%error, 6)
          return
       end if
-      text = trim(t%options%integrator)//' '//short(t%options%dt_scale)
+      text = trim(t%options%integrator)//' '//few(t%options%dt_scale, 6)
       if (abs(t%options%kn_scale - 1.0_wp) > 0.0_wp) text = text//', Kn x '// &
-         short(t%options%kn_scale)
+         few(t%options%kn_scale, 6)
    end function trial_name
 
    function trial_family(t) result(text)
@@ -227,31 +227,12 @@ contains
       integer, intent(in) :: n
       character(len=n) :: text
 
-      if (len(short(x)) < n) then
-         text = adjustr(repeat(' ', n - len(short(x)))//short(x))
+      if (len(few(x, 6)) < n) then
+         text = adjustr(repeat(' ', n - len(few(x, 6)))//few(x, 6))
       else
          write (text, '(es7.0)') x
       end if
    end function short_column
-
-   !> A number with as few digits as it needs, at most six
-   function short(x) result(text)
-      real(wp), intent(in) :: x
-      character(len=:), allocatable :: text
-
-      character(len=20) :: buffer
-
-      write (buffer, '(f16.6)') x
-      if (abs(x) < 1.0e-4_wp .or. abs(x) >= 1.0e6_wp) then
-         write (buffer, '(es12.4)') x
-         text = trim(adjustl(buffer))
-         return
-      end if
-      buffer = adjustl(buffer)
-      text = buffer(:verify(buffer(:len_trim(buffer)), '0', back=.true.))
-      if (text(len(text):) == '.') text = text(:len(text) - 1)
-      if (text(1:1) == '.') text = '0'//text
-   end function short
 
    !> Everything, for tools/plot_study.py and others
    function study_json(study, deck, wanted) result(json)
@@ -347,7 +328,7 @@ contains
       do i = 1, size(study%trial)
          associate (t => study%trial(i))
             csv = csv//trim(t%options%formulation)//','//trim(t%options%integrator)//','// &
-               short(t%options%dt_scale)//','//short(t%options%kn_scale)
+               few(t%options%dt_scale, 6)//','//few(t%options%kn_scale, 6)
             if (t%good) then
                write (buffer, '(a,i0,16(a,es13.6))') ',1,', t%cycles, ',', t%step, ',', t%time, &
                   ',', 1.0e9_wp*t%per_cycle, ',', t%score, ',', t%by_step, ',', t%by_joints, &

@@ -4,7 +4,7 @@ module kj_trace_command
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_joint_types, only: DOF_NAME, NDOF
-   use kj_json_writer, only: json_member, json_pair, json_real, json_reals, json_text, comma
+   use kj_json_writer, only: json_member, json_pair, json_real, json_list, comma
    use kj_option, only: arguments_t, OPT_TRACE, OPT_TRACE_CYCLES, OPT_JSON
    use kj_keeper, only: keeper_t
    use kj_progress, only: end_progress
@@ -260,7 +260,7 @@ contains
          json = json//', '//json_lead(t%lead(1))//', '//vector('force', t%lead(1)%force)//', '// &
             vector('moment', t%lead(1)%moment)//', '//json_member('mass', t%lead(1)%mass)// &
             ', '//json_member('kinetic_energy', t%lead(1)%energy)//', '// &
-            json_pair('joints', json_ids(t%lead(1)%joints))
+            json_pair('joints', json_list(t%lead(1)%joints))
       case (TRACE_NODE)
          json = json//', '//vector('position', t%position)//', '// &
             vector('velocity', t%velocity)//', '//vector('acceleration', t%acceleration)//', '// &
@@ -273,7 +273,7 @@ contains
       type(trace_t), intent(in) :: t
       character(len=:), allocatable :: json
 
-      integer :: e, k
+      integer :: e
 
       json = '"ends": ['
       do e = 1, 2
@@ -291,11 +291,7 @@ contains
       json = json//', '//json_pair('bound', merge_text(t%inside%bound < huge(1.0_wp), &
          json_real(t%inside%bound)))
       if (.not. allocated(t%flag)) return
-      json = json//', "does": ['
-      do k = 1, NDOF
-         json = json//json_text(trim(DOES(t%flag(k))))//comma(k, NDOF)
-      end do
-      json = json//']'
+      json = json//', '//json_pair('does', json_list(DOES(t%flag)))
    end function json_joint
 
    function json_lead(lead) result(json)
@@ -316,25 +312,12 @@ contains
          json_member('carrier_id', lead%id)
    end function json_name
 
-   function json_ids(ids) result(json)
-      integer, intent(in) :: ids(:)
-      character(len=:), allocatable :: json
-
-      integer :: i
-
-      json = '['
-      do i = 1, size(ids)
-         json = json//str(ids(i))//comma(i, size(ids))
-      end do
-      json = json//']'
-   end function json_ids
-
    function vector(name, values) result(json)
       character(len=*), intent(in) :: name
       real(wp), intent(in) :: values(:)
       character(len=:), allocatable :: json
 
-      json = json_pair(name, json_reals(values))
+      json = json_pair(name, json_list(values))
    end function vector
 
    !> Numbers that are there, or null
@@ -344,7 +327,7 @@ contains
       logical, intent(in) :: known
       character(len=:), allocatable :: json
 
-      json = json_pair(name, merge_text(known, json_reals(values)))
+      json = json_pair(name, merge_text(known, json_list(values)))
    end function law
 
    pure function merge_text(known, text) result(json)

@@ -6,7 +6,7 @@ module kj_watch_command
    use kj_text, only: text_t
    use kj_channels, only: OF_JOINT, CH_TIME, CH_TIME_STEP, CH_OWNER_KIND, CH_OWNER, &
       CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_ENERGY_ERROR, CH_J_VIOL_T, CH_J_VIOL_R
-   use kj_history, only: history_t
+   use kj_history, only: history_t, place_of
    use kj_output, only: find_part, is_written
    use kj_reader, only: history_reader_t, open_history_file, read_rows, read_facts, &
       close_history_file
@@ -16,6 +16,7 @@ module kj_watch_command
    use kj_export_command, only: channel_names
    use kj_signal, only: watch_signals, caught_signal
    use kj_progress, only: percent
+   use kj_words, only: few
    use kj_terminal, only: print_line, print_status, is_terminal, STDERR
    implicit none
    private
@@ -140,12 +141,12 @@ contains
 
       integer :: kind
 
-      text = '  t '//short(run_value(CH_TIME))//'  dt '//short(run_value(CH_TIME_STEP))
+      text = '  t '//few(run_value(CH_TIME), 4)//'  dt '//few(run_value(CH_TIME_STEP), 4)
       kind = nint(run_value(CH_OWNER_KIND))
       if (kind > 0 .and. kind <= ubound(OWNER, 1)) &
          text = text//' ('//trim(OWNER(kind))//' '//str(nint(run_value(CH_OWNER)))//')'
-      text = text//'  kinetic '//short(run_value(CH_KE_TRANS) + run_value(CH_KE_ROT))// &
-         '  internal '//short(run_value(CH_IE))//'  work '//short(run_value(CH_WORK))// &
+      text = text//'  kinetic '//few(run_value(CH_KE_TRANS) + run_value(CH_KE_ROT), 4)// &
+         '  internal '//few(run_value(CH_IE), 4)//'  work '//few(run_value(CH_WORK), 4)// &
          '  error '//percent(run_value(CH_ENERGY_ERROR))//worst(CH_J_VIOL_T, 'gap')// &
          worst(CH_J_VIOL_R, 'angle')
    contains
@@ -155,8 +156,8 @@ contains
          integer :: i
 
          run_value = 0.0_wp
-         i = findloc(history%variable%channel, channel, 1)
-         if (i > 0) run_value = row(history%variable(i)%first)
+         i = place_of(history, channel)
+         if (i > 0) run_value = row(i)
       end function run_value
 
       !> The joint that gives way most
@@ -172,22 +173,11 @@ contains
          if (i == 0) return
          associate (v => history%variable(i))
             k = maxloc(row(v%first:v%first + v%n_entity - 1), 1)
-            words = '  '//name//' '//short(row(v%first + k - 1))//' (joint '// &
+            words = '  '//name//' '//few(row(v%first + k - 1), 4)//' (joint '// &
                str(history%entity(OF_JOINT)%id(k))//')'
          end associate
       end function worst
    end function row_text
-
-   !> A number in three digits
-   function short(x) result(text)
-      real(wp), intent(in) :: x
-      character(len=:), allocatable :: text
-
-      character(len=12) :: buffer
-
-      write (buffer, '(es10.3)') x
-      text = trim(adjustl(buffer))
-   end function short
 
    !> A curve of blocks, a letter a sample, from its least to its largest value
    function curve(history, series, rows) result(text)
@@ -208,7 +198,7 @@ contains
          level = min(7, max(0, int(8*(y(i) - minval(y))/span)))
          text = text//char(226)//char(150)//char(129 + level)      ! U+2581 to U+2588
       end do
-      text = text//' '//short(y(size(y)))
+      text = text//' '//few(y(size(y)), 4)
    end function curve
 
 end module kj_watch_command

@@ -7,8 +7,8 @@ module kj_diff_report
    use kj_channels, only: channels, CH_TIME
    use kj_metrics, only: metrics
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
-   use kj_words, only: buffer_t, add, left, short, short_time, escaped
-   use kj_json_writer, only: json_member, json_pair, json_text, json_reals, comma
+   use kj_words, only: buffer_t, add, left, short, few, escaped
+   use kj_json_writer, only: json_member, json_pair, json_text, json_list, comma
    use kj_text, only: text_t
    implicit none
    private
@@ -173,7 +173,7 @@ contains
       else if (channel%channel == CH_TIME .and. result%n_ref_alone + result%n_run_alone > 0) then
          text = text//': '//str(result%n_ref_alone)//' samples of REF and '// &
             str(result%n_run_alone)//' of RUN have no partner, the first at t='// &
-            short_time(result%alone_at)
+            few(result%alone_at, 6)
       else
          if (channel%n_comp == 3) text = text//'.'//AXIS(min(max(channel%comp, 1), 3))
          if (ieee_is_nan(channel%difference)) then
@@ -187,7 +187,7 @@ contains
             if (channel%different) text = text//' '//a//' > '//b
             if (.not. channel%different) text = text//' '//a//' <= '//b
          end if
-         text = text//' at t='//short_time(channel%time)
+         text = text//' at t='//few(channel%time, 6)
       end if
    end function worst_of
 
@@ -309,7 +309,7 @@ contains
          call add(b, ', "metrics": {')
          do k = 1, size(metrics)
             call add(b, json_pair(trim(metrics(k)%column), &
-               json_reals(channel%metric(k, :channel%n_comp)))//comma(k, size(metrics)))
+               json_list(channel%metric(k, :channel%n_comp)))//comma(k, size(metrics)))
          end do
          call add(b, '}')
       end if

@@ -3,7 +3,7 @@ module kj_diff_walk
    use kj_kinds, only: wp
    use kj_error, only: error_t
    use kj_units, only: factor_of
-   use kj_history, only: history_t
+   use kj_history, only: history_t, place_of
    use kj_channels, only: channels, CH_FINAL, AS_F64
    use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
    implicit none
@@ -55,14 +55,9 @@ contains
       type(cursor_t), intent(out) :: cursor
       type(error_t), allocatable, intent(out) :: error
 
-      integer :: i
-
       call open_history_file(path, cursor%reader, cursor%history, cursor%n_row, error)
       if (allocated(error)) return
-      do i = 1, size(cursor%history%variable)
-         if (cursor%history%variable(i)%channel == CH_FINAL) &
-            cursor%final_at = cursor%history%variable(i)%first
-      end do
+      cursor%final_at = place_of(cursor%history, CH_FINAL)
       associate (n_value => cursor%history%n_value)
          allocate (cursor%rows(n_value, max(1, min(cursor%n_row, BLOCK/n_value))))
       end associate

@@ -9,7 +9,7 @@ module kj_export
    use kj_series, only: series_t, find_series, series_value, series_unit, channel_path, NORM
    use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
    use kj_words, only: buffer_t, add
-   use kj_json_writer, only: json_member, json_pair, json_real, json_reals, comma
+   use kj_json_writer, only: json_member, json_pair, json_real, json_list, comma
    implicit none
    private
 
@@ -77,9 +77,8 @@ contains
       if (allocated(error)) return
       call add(text, '{'//json_member('history', path)//', '// &
          json_member('title', trim(history%title))//', '// &
-         json_pair('unit_si', json_reals(history%units%si))//', '//json_pair('unit_symbol', &
-         '["'//trim(history%units%symbol(1))//'", "'//trim(history%units%symbol(2))//'", "'// &
-         trim(history%units%symbol(3))//'"]')//','//NL//' '// &
+         json_pair('unit_si', json_list(history%units%si))//', '//json_pair('unit_symbol', &
+         json_list(history%units%symbol))//','//NL//' '// &
          json_pair('time', '{'//json_member('units', unit_text(D_TIME, history%units))//', '))
       call add_values(time, text)
       call add(text, '},'//NL//' '//json_pair('series', '['))
@@ -145,22 +144,12 @@ contains
          if (history%variable(series%variable)%n_comp > 1) json = json//', '// &
             json_member('component', series%name(index(series%name, '.', back=.true.) + 1:))
          json = json//', '//json_member('units', series_unit(history, series))// &
-            ', '//json_pair('dimension', dimension_json(channels(channel)%dim))// &
+            ', '//json_pair('dimension', json_list(dimensions(channels(channel)%dim)%exponents))// &
             ', '//json_member('angle', dimensions(channels(channel)%dim)%angle)// &
             ', '//json_member('class', trim(channels(channel)%class))// &
             ', '//json_member('meaning', trim(channels(channel)%meaning))
       end associate
    end function described
-
-   !> Exponents of mass, length and time
-   pure function dimension_json(dim) result(json)
-      integer, intent(in) :: dim                 !! D_ constant
-      character(len=:), allocatable :: json
-
-      associate (e => dimensions(dim)%exponents)
-         json = '['//str(e(1))//', '//str(e(2))//', '//str(e(3))//']'
-      end associate
-   end function dimension_json
 
    subroutine add_values(values, text)
       real(wp), intent(in) :: values(:)

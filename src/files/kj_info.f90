@@ -3,12 +3,12 @@
 module kj_info
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
-   use kj_words, only: counted
+   use kj_words, only: counted, few, left, right
    use kj_units, only: unit_text, D_TIME
    use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
       CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, &
       CH_FINAL, CH_OWNER_KIND, CH_OWNER, OF_JOINT, OF_SPRING
-   use kj_history, only: history_t, variable_t, n_entity, entity_title
+   use kj_history, only: history_t, variable_t, n_entity, entity_title, place_of
    use kj_output, only: find_part, is_written
    use kj_text, only: text_t
    use kj_reader, only: history_reader_t, open_history_file, read_rows, read_facts, &
@@ -17,7 +17,7 @@ module kj_info
    use kj_extremes, only: extremes_t, watch_row
    use kj_worst, only: worst_lines, worst_json
    use kj_snapshot, only: OWNER_JOINT
-   use kj_json_writer, only: json_member, json_text, comma
+   use kj_json_writer, only: json_member, json_pair, json_list, comma
    implicit none
    private
 
@@ -118,9 +118,8 @@ contains
       json = json//'}, '//json_member('samples', n)
       if (n > 0) json = json//', '//json_member('first_time', survey%first(1))//', '// &
          json_member('last_time', survey%last(1))
-      if (all(history%units%si > 0.0_wp)) json = json//', "units": ['//json_text(trim( &
-         history%units%symbol(1)))//', '//json_text(trim(history%units%symbol(2)))//', '// &
-         json_text(trim(history%units%symbol(3)))//']'
+      if (all(history%units%si > 0.0_wp)) json = json//', '// &
+         json_pair('units', json_list(history%units%symbol))
       do owner = OF_JOINT, OF_SPRING
          if (n_entity(history, owner) == 0) cycle
          json = json//', "'//trim(groups(owner)%path)//'": ['
@@ -281,8 +280,8 @@ contains
       call add_fact(text, 'holds', line)
       line = counted(survey%n_row, 'sample', 'samples')
       i = place_of(history, CH_TIME)
-      if (i > 0 .and. survey%n_row > 0) line = line//', t = '//number(survey%first(i))//' to '// &
-         number(survey%last(i))//' '//unit
+      if (i > 0 .and. survey%n_row > 0) line = line//', t = '//few(survey%first(i), 6)//' to '// &
+         few(survey%last(i), 6)//' '//unit
       i = place_of(history, CH_FINAL)
       if (i > 0) then
          if (nint(survey%last(i)) == 1) line = line//', the last one between sample times'
@@ -290,10 +289,10 @@ contains
       call add_fact(text, 'sampled', line)
       line = fact('cycles', names, values, '')
       i = place_of(history, CH_CYCLE)
-      if (len(line) == 0 .and. i > 0) line = number(survey%last(i))//' so far'
+      if (len(line) == 0 .and. i > 0) line = few(survey%last(i), 6)//' so far'
       call add_fact(text, 'cycles', line)
       if (survey%longest_step > 0.0_wp) call add_fact(text, 'steps', &
-         number(survey%shortest_step)//' to '//number(survey%longest_step)//' '//unit)
+         few(survey%shortest_step, 6)//' to '//few(survey%longest_step, 6)//' '//unit)
       if (survey%n_bad > 0) call add_fact(text, 'damaged', &
          counted(survey%n_bad, 'value is', 'values are')//' not finite')
    end subroutine add_span
@@ -309,8 +308,8 @@ contains
       integer :: i
 
       call add_line(text, '')
-      call add_line(text, cell('channel', NAME_WIDTH)//cell('shape', SHAPE_WIDTH)// &
-         cell('unit', UNIT_WIDTH)//right('peak', NUMBER_WIDTH)//right('at t', NUMBER_WIDTH))
+      call add_line(text, left('channel ', NAME_WIDTH)//left('shape ', SHAPE_WIDTH)// &
+         left('unit ', UNIT_WIDTH)//right(' peak', NUMBER_WIDTH)//right(' at t', NUMBER_WIDTH))
       do i = 1, size(history%variable)
          v = history%variable(i)
          name = channel_path(v%channel)
@@ -318,10 +317,10 @@ contains
          if (len_trim(groups(channels(v%channel)%owner)%path) > 0) &
             shape_text = shape_text//' x '//str(v%n_entity)
          if (v%n_comp > 1) shape_text = shape_text//' x '//str(v%n_comp)
-         call add_line(text, cell(name, NAME_WIDTH)//cell(shape_text, SHAPE_WIDTH)// &
-            cell(unit_text(channels(v%channel)%dim, history%units), UNIT_WIDTH)// &
-            right(number(survey%peak(i)), NUMBER_WIDTH)// &
-            right(number(survey%peak_time(i)), NUMBER_WIDTH))
+         call add_line(text, left(name//' ', NAME_WIDTH)//left(shape_text//' ', SHAPE_WIDTH)// &
+            left(unit_text(channels(v%channel)%dim, history%units)//' ', UNIT_WIDTH)// &
+            right(' '//few(survey%peak(i), 6), NUMBER_WIDTH)// &
+            right(' '//few(survey%peak_time(i), 6), NUMBER_WIDTH))
       end do
    end subroutine add_channels
 
@@ -337,40 +336,20 @@ contains
 
       if (survey%n_row == 0) return
       call add_line(text, '')
-      call add_line(text, cell('energy balance', NAME_WIDTH)//right('first', NUMBER_WIDTH)// &
-         right('last', NUMBER_WIDTH)//right('largest', NUMBER_WIDTH)// &
-         right('at t', NUMBER_WIDTH))
+      call add_line(text, left('energy balance ', NAME_WIDTH)//right(' first', NUMBER_WIDTH)// &
+         right(' last', NUMBER_WIDTH)//right(' largest', NUMBER_WIDTH)// &
+         right(' at t', NUMBER_WIDTH))
       do i = 1, size(ROWS)
-         v = index_of(history, ROWS(i))
+         v = findloc(history%variable%channel, ROWS(i), 1)
          if (v == 0) cycle
          at = history%variable(v)%first
-         call add_line(text, cell(trim(channels(ROWS(i))%meaning), NAME_WIDTH)// &
-            right(number(survey%first(at)), NUMBER_WIDTH)// &
-            right(number(survey%last(at)), NUMBER_WIDTH)// &
-            right(number(survey%peak(v)), NUMBER_WIDTH)// &
-            right(number(survey%peak_time(v)), NUMBER_WIDTH))
+         call add_line(text, left(trim(channels(ROWS(i))%meaning)//' ', NAME_WIDTH)// &
+            right(' '//few(survey%first(at), 6), NUMBER_WIDTH)// &
+            right(' '//few(survey%last(at), 6), NUMBER_WIDTH)// &
+            right(' '//few(survey%peak(v), 6), NUMBER_WIDTH)// &
+            right(' '//few(survey%peak_time(v), 6), NUMBER_WIDTH))
       end do
    end subroutine add_energies
-
-   !> Index of the variable of a channel, 0 when the history lacks it
-   pure integer function index_of(history, channel) result(i)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: channel
-
-      do i = 1, size(history%variable)
-         if (history%variable(i)%channel == channel) return
-      end do
-      i = 0
-   end function index_of
-
-   !> Place of a channel of the run in a row, 0 when the history lacks it
-   pure integer function place_of(history, channel) result(place)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: channel
-
-      place = index_of(history, channel)
-      if (place > 0) place = history%variable(place)%first
-   end function place_of
 
    !> Value of a named fact, `default` when there is none
    pure function fact(name, names, values, default) result(value)
@@ -397,58 +376,12 @@ contains
       text = text//second
    end function joined
 
-   !> A real with six digits in the form people read: plain when that is short, else with exponent
-   pure function number(value) result(text)
-      real(wp), intent(in) :: value
-      character(len=:), allocatable :: text
-
-      character(len=24) :: buffer
-      integer :: n
-
-      if (abs(value) >= 1.0e-3_wp .and. abs(value) < 1.0e6_wp) then
-         ! five digits after the first one, wherever the point is
-         write (buffer, '(f0.'//str(5 - floor(log10(abs(value))))//')') value
-         n = len_trim(buffer)
-         if (index(buffer, '.') > 0) n = verify(buffer(:n), '0', back=.true.)
-         if (buffer(n:n) == '.') n = n - 1
-         text = buffer(:n)
-         if (index(text, '.') == 1) text = '0'//text
-         if (index(text, '-.') == 1) text = '-0'//text(2:)
-      else if (abs(value) < tiny(value)) then
-         text = '0'
-      else if (abs(value) < 1.0e9_wp .and. abs(value - anint(value)) <= 0.0_wp) then
-         text = str(nint(value))
-      else
-         write (buffer, '(es13.5e3)') value
-         if (abs(value) < 1.0e99_wp .and. abs(value) > 1.0e-99_wp) write (buffer, '(es12.5)') value
-         text = trim(adjustl(buffer))
-      end if
-   end function number
-
-   !> Text at the left of a column, never cut, always followed by a blank
-   pure function cell(text, width) result(padded)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: width
-      character(len=:), allocatable :: padded
-
-      padded = text//repeat(' ', max(1, width - len(text)))
-   end function cell
-
-   !> Text at the right of a column
-   pure function right(text, width) result(padded)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: width
-      character(len=:), allocatable :: padded
-
-      padded = repeat(' ', max(1, width - len(text)))//text
-   end function right
-
    !> Append a named fact; an empty one is left out
    subroutine add_fact(text, name, value)
       character(len=:), allocatable, intent(inout) :: text
       character(len=*), intent(in) :: name, value
 
-      if (len(value) > 0) call add_line(text, '  '//cell(name, 10)//value)
+      if (len(value) > 0) call add_line(text, '  '//left(name//' ', 10)//value)
    end subroutine add_fact
 
    !> Append a line

@@ -7,12 +7,17 @@ module kj_json_writer
    implicit none
    private
 
-   public :: json_member, json_pair, json_text, json_real, json_reals, json_findings, comma
+   public :: json_member, json_pair, json_text, json_real, json_list, json_findings, comma
 
    !> "name": value, of a text, a number or a truth
    interface json_member
       procedure :: text_member, real_member, integer_member, logical_member
    end interface json_member
+
+   !> A list of numbers or texts
+   interface json_list
+      procedure :: list_of_reals, list_of_integers, list_of_texts
+   end interface json_list
 
 contains
 
@@ -93,19 +98,45 @@ contains
       json = trim(adjustl(buffer))
    end function json_real
 
-   !> A list of numbers
-   pure function json_reals(value) result(json)
-      real(wp), intent(in) :: value(:)
+   pure function list_of_reals(values) result(json)
+      real(wp), intent(in) :: values(:)
       character(len=:), allocatable :: json
 
       integer :: i
 
       json = '['
-      do i = 1, size(value)
-         json = json//json_real(value(i))//comma(i, size(value))
+      do i = 1, size(values)
+         json = json//json_real(values(i))//comma(i, size(values))
       end do
       json = json//']'
-   end function json_reals
+   end function list_of_reals
+
+   pure function list_of_integers(values) result(json)
+      integer, intent(in) :: values(:)
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = '['
+      do i = 1, size(values)
+         json = json//str(values(i))//comma(i, size(values))
+      end do
+      json = json//']'
+   end function list_of_integers
+
+   !> Blanks at the end of a text do not count
+   pure function list_of_texts(values) result(json)
+      character(len=*), intent(in) :: values(:)
+      character(len=:), allocatable :: json
+
+      integer :: i
+
+      json = '['
+      do i = 1, size(values)
+         json = json//json_text(trim(values(i)))//comma(i, size(values))
+      end do
+      json = json//']'
+   end function list_of_texts
 
    !> true or false
    pure function json_logical(value) result(json)

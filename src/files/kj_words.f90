@@ -7,7 +7,7 @@ module kj_words
    implicit none
    private
 
-   public :: buffer_t, add, left, right, counted, short, short_time, escaped
+   public :: buffer_t, add, left, right, counted, short, few, escaped
 
    !> Text that grows: doubled when it is full
    type :: buffer_t
@@ -85,26 +85,39 @@ contains
       end if
    end function short
 
-   !> A time: up to 6 digits, without zeros at the end
-   function short_time(value) result(text)
+   !> A number with at most so many digits as people write it: 0.0213, 196, 3.91e-6
+   function few(value, digits) result(text)
       real(wp), intent(in) :: value
+      integer, intent(in) :: digits
       character(len=:), allocatable :: text
 
       character(len=40) :: buffer
+      integer :: power
 
-      if (abs(value) >= 1.0e6_wp .or. (abs(value) < 1.0e-4_wp .and. abs(value) > 0.0_wp)) then
-         text = short(abs(value), 6)
-         if (value < 0.0_wp) text = '-'//text
+      write (buffer, '(es40.'//str(digits - 1)//'e4)') value
+      if (.not. ieee_is_finite(value) .or. abs(value) < tiny(value)) then
+         text = trim(adjustl(buffer))            ! NaN, Infinity
+         if (ieee_is_finite(value)) text = '0'
          return
       end if
-      write (buffer, '(f20.6)') value
-      if (abs(value) >= 10.0_wp) write (buffer, '(f20.4)') value
-      text = trim(adjustl(buffer))
-      do while (text(len(text):) == '0')
-         text = text(:len(text) - 1)
-      end do
+      read (buffer(index(buffer, 'E') + 1:), '(i5)') power
+      if (power < -3 .or. power > max(4, digits - 1)) then
+         text = without_zeros(buffer(:index(buffer, 'E') - 1))//'e'//str(power)
+      else
+         write (buffer, '(f40.'//str(max(0, digits - 1 - power))//')') value
+         text = without_zeros(buffer)
+      end if
+   end function few
+
+   !> A number with a point, without what ends it for nothing
+   pure function without_zeros(number) result(text)
+      character(len=*), intent(in) :: number
+      character(len=:), allocatable :: text
+
+      text = trim(adjustl(number))
+      text = text(:verify(text, '0', back=.true.))
       if (text(len(text):) == '.') text = text(:len(text) - 1)
-   end function short_time
+   end function without_zeros
 
    !> Text inside an attribute of XML
    function escaped(text) result(xml)

@@ -3,6 +3,7 @@ module kj_worst
    use kj_kinds, only: wp
    use kj_error, only: str
    use kj_text, only: text_t, append_text
+   use kj_words, only: few
    use kj_json_writer, only: json_member, json_real
    use kj_units, only: unit_system_t, unit_text, D_LENGTH, D_FORCE, D_MOMENT, D_ANGLE, &
       D_ANGULAR_VELOCITY, D_ENERGY, D_STIFFNESS
@@ -42,12 +43,12 @@ contains
       do i = 1, N_KIND
          if (all(i)%joint == 0) cycle
          if (i == 2 .and. all(i)%value < LITTLE) cycle
-         line = NAME(i)//few(abs(all(i)%value))//' '//unit_name(DIM(i), history%units)
+         line = NAME(i)//few(abs(all(i)%value), 3)//' '//unit_name(DIM(i), history%units)
          if (all(i)%value < 0.0_wp) line = line//' beyond'
          line = line//'  '//entity_title(history, OF_JOINT, all(i)%joint)//' at t = '// &
-            few(all(i)%time)
-         if (i == 1 .and. all(i)%force > 0.0_wp) line = line//', force '//few(all(i)%force)//' '// &
-            unit_name(D_FORCE, history%units)
+            few(all(i)%time, 3)
+         if (i == 1 .and. all(i)%force > 0.0_wp) line = line//', force '// &
+            few(all(i)%force, 3)//' '//unit_name(D_FORCE, history%units)
          call append_text(lines, line)
          if (i == 1) call add_advice(history, all(i), owner, lines)
       end do
@@ -72,8 +73,8 @@ contains
          if (joints%id(gap%joint) == owner) cost = '41 % more cycles'
          if (owner < 0) cost = 'no more cycles'
       end associate
-      call append_text(lines, 'half of it    Kn '//few(2.0_wp*kn)//' instead of '//few(kn)//' '// &
-         unit_name(D_STIFFNESS, history%units)//': '//cost)
+      call append_text(lines, 'half of it    Kn '//few(2.0_wp*kn, 3)//' instead of '// &
+         few(kn, 3)//' '//unit_name(D_STIFFNESS, history%units)//': '//cost)
    end subroutine add_advice
 
    !> An object with a member for each that there is: value, joint, label, time, force
@@ -146,35 +147,5 @@ contains
       if (abs(si/10.0_wp**(3*power) - 1.0_wp) > 1.0e-6_wp) return
       text = trim(adjustl(PREFIX(power)//name))
    end function prefixed
-
-   !> Three digits: 0.0213, 196, 3.91e-6
-   function few(value) result(text)
-      real(wp), intent(in) :: value
-      character(len=:), allocatable :: text
-
-      character(len=24) :: buffer
-      integer :: e, power
-
-      write (buffer, '(es24.2e3)') value
-      e = index(buffer, 'E')
-      read (buffer(e + 1:), '(i4)') power
-      text = without_zeros(buffer(:e - 1))//'e'//str(power)
-      if (abs(value) < tiny(value)) text = '0'
-      if (abs(value) < tiny(value) .or. power < -3 .or. power > 4) return
-      write (buffer, '(f24.'//str(max(0, 2 - power))//')') value
-      text = without_zeros(buffer)
-      if (text(1:1) == '.') text = '0'//text
-      if (text(1:min(2, len(text))) == '-.') text = '-0'//text(2:)
-   end function few
-
-   !> A number with a point, without what ends it for nothing
-   pure function without_zeros(number) result(text)
-      character(len=*), intent(in) :: number
-      character(len=:), allocatable :: text
-
-      text = trim(adjustl(number))
-      text = text(:verify(text, '0', back=.true.))
-      if (text(len(text):) == '.') text = text(:len(text) - 1)
-   end function without_zeros
 
 end module kj_worst

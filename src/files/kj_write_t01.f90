@@ -13,7 +13,7 @@ module kj_write_t01
    use kj_version, only: KJOINT_VERSION
    use kj_channels, only: channels, groups, find_channel, find_t01, OF_RUN, OF_JOINT, OF_BODY, &
       OF_NODE, OF_SPRING, CH_FINAL, CH_IE
-   use kj_history, only: history_t, n_entity
+   use kj_history, only: history_t, n_entity, place_of
    use kj_output, only: settle_output, begin_output, append_output, end_output, write_output
    use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
    use kj_t01, only: t01_name
@@ -195,19 +195,6 @@ contains
       code = 0
       if (row > 0) code = channels(row)%t01
    end function code_as_joint
-
-   !> Place of a channel of the run in a row, IS_ZERO where there is none
-   pure integer function place_of(history, channel) result(place)
-      type(history_t), intent(in) :: history
-      integer, intent(in) :: channel
-
-      integer :: v
-
-      place = IS_ZERO
-      do v = 1, size(history%variable)
-         if (history%variable(v)%channel == channel) place = history%variable(v)%first
-      end do
-   end function place_of
 
    ! ---- records
 

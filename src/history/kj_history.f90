@@ -9,7 +9,8 @@ module kj_history
    implicit none
    private
 
-   public :: history_t, entity_t, shape_t, variable_t, n_entity, add_variable, entity_title
+   public :: history_t, entity_t, shape_t, variable_t, n_entity, add_variable, place_of, &
+      entity_title
 
    !> One dataset over time: n_entity series of n_comp numbers, component fastest
    type :: variable_t
@@ -90,6 +91,15 @@ contains
       history%variable = [history%variable, v]
       history%n_value = history%n_value + v%n_entity*v%n_comp
    end subroutine add_variable
+
+   !> Place in a row of a channel of the run; 0 when the history lacks it
+   pure integer function place_of(history, channel) result(place)
+      type(history_t), intent(in) :: history
+      integer, intent(in) :: channel
+
+      place = findloc(history%variable%channel, channel, 1)
+      if (place > 0) place = history%variable(place)%first
+   end function place_of
 
    pure integer function title_length(entity, e) result(n)
       type(entity_t), intent(in) :: entity
