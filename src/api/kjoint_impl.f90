@@ -284,7 +284,8 @@ contains
       integer :: i, k, n
       logical :: kept(deck%n_source)
 
-      kept = deck%source(:deck%n_source)%role /= 'flat'       ! those are made of others
+      kept = deck%source(:deck%n_source)%role /= 'flat' .and. &
+         deck%source(:deck%n_source)%role /= 'piece'   ! those are no files
       allocate (history%input_path(0))
       do k = 1, deck%n_source
          if (kept(k)) call append_text(history%input_path, deck%source(k)%path)

@@ -5,6 +5,7 @@
 !> lines (commas, tabs, wrong numbers, text beyond the fields) are cut and judged with care.
 !> One file: cards that stand once and cards that repeat share cutting, judging and places.
 module kj_cards
+   use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    use kj_error, only: SEV_WARNING, SEV_ERROR
    use kj_units, only: dimensions
@@ -12,7 +13,9 @@ module kj_cards
    use kj_card_fields, only: EACH, ONCE, DOFS, ROWS, fields, list_free_dofs, rotational
    use kj_joint_types, only: DOF_NAME, NDOF, find_joint_type
    use kj_deck_text, only: deck_t, add_deck_finding, block_factors, header_end, report_line, &
-      first_card, line_text
+      first_card, line_text, id_shift
+   use kj_reference, only: OF_NODE
+   use kj_card_walk, only: card_walk_t, start_walk, next_card
    use kj_card_cut, only: cut_t, cut_card, is_blank_text, MOST_ON_CARD, read_integer_at, &
       read_real_at, report_cut
    use kj_spelling, only: upper
@@ -21,7 +24,8 @@ module kj_cards
    private
 
    public :: cards_t, read_cards, put_real, real_of, int_of, text_of, is_given, report, &
-      report_cut_deck, rows_t, card_row_t, read_rows, row_of, report_row
+      report_cut_deck, rows_t, card_row_t, read_rows, row_of, look_at, &
+      report_row
 
    integer, parameter, public :: MOST_FIELDS = 160   !! more than any keyword has
 
@@ -46,7 +50,9 @@ module kj_cards
    type :: rows_t
       integer :: n = 0                          !! number of rows
       integer, allocatable :: from(:)           !! (blocks + 1) first row of each block
-      integer, allocatable :: block(:), line(:) !! (n) indices in deck
+      !> (n) indices in deck; of a row that stays in the file the number of the line before it
+      integer, allocatable :: block(:), line(:)
+      integer(int64), allocatable :: at(:)      !! (n) and bytes of the file before it
       integer, allocatable :: ints(:, :)        !! (n, n_int) integer fields in table order
       real(wp), allocatable :: reals(:, :)      !! (n, n_real) real fields, in work units
    end type rows_t
@@ -118,7 +124,8 @@ contains
       if (deck%whole .or. cards%block /= deck%n_block) return
       if (cards%n_card >= cards%n_whole .and. .not. deck%torn) return
       name = trim(keywords(deck%block(cards%block)%row)%name)
-      call report_line(deck, deck%n_line, SEV_ERROR, 'KJ-9070', &
+      call report_line(deck, max(deck%block(cards%block)%header, deck%block(cards%block)%last), &
+         SEV_ERROR, 'KJ-9070', &
          'the deck ends in the middle of '//name, 'the last line, and no /END', &
          'complete the block and write /END behind it')
    end subroutine report_cut_deck
@@ -397,35 +404,70 @@ contains
       type(rows_t), intent(out) :: rows
 
       type(row_layout_t) :: layout
-      integer :: b, i, line, source
-      logical :: clean
+      type(card_walk_t) :: walk
+      integer :: b, i, line, source, shift
+      logical :: clean, there
 
       layout%n_int = MOST_ON_CARD
       layout%n_real = MOST_ON_CARD
       allocate (rows%from(size(blocks) + 1), source=1)
       do b = 1, size(blocks)
-         rows%from(b + 1) = rows%from(b) + max(0, deck%block(blocks(b))%last - &
-            first_card(deck, blocks(b)) + 1)
+         rows%from(b + 1) = rows%from(b) + max(deck%block(blocks(b))%n_far, &
+            deck%block(blocks(b))%last - first_card(deck, blocks(b)) + 1)
          call lay_out(deck, blocks(b), layout)
       end do
       rows%n = rows%from(size(rows%from)) - 1
       allocate (rows%ints(rows%n, layout%n_int), rows%reals(rows%n, layout%n_real), &
          rows%block(rows%n), rows%line(rows%n))
+      if (any(deck%block(blocks)%n_far > 0)) then
+         allocate (rows%at(rows%n))
+         rows%ints = 0
+         rows%reals = 0.0_wp
+      end if
       do b = 1, size(blocks)
          call lay_out(deck, blocks(b), layout)
-         line = first_card(deck, blocks(b))
+         call start_walk(deck, blocks(b), walk)
          do i = rows%from(b), rows%from(b + 1) - 1
+            if (allocated(rows%at)) rows%at(i) = walk%at
             rows%block(i) = blocks(b)
-            rows%line(i) = line
+            rows%line(i) = walk%number
+            call next_card(deck, walk, 1, there)
+            if (.not. there) exit                ! the file changed
+            line = walk%line
+            if (deck%block(blocks(b))%n_far == 0) rows%line(i) = line
             source = deck%line_source(line)
             call read_clean_row( &
                deck%source(source)%text(deck%line_first(line):deck%line_last(line)), layout, &
                rows%n, i, rows%ints, rows%reals, clean)
-            if (.not. clean) call read_odd_row(deck, layout, i, rows)
-            line = line + 1
+            if (.not. clean) call read_odd_row(deck, layout, line, i, rows)
+         end do
+         if (deck%block(blocks(b))%n_far == 0) cycle
+         shift = id_shift(deck, deck%block(blocks(b))%submodel, OF_NODE)
+         do i = rows%from(b), rows%from(b + 1) - 1   ! of nodes; those in lines are shifted there
+            if (rows%ints(i, 1) /= 0) rows%ints(i, 1) = sign(abs(rows%ints(i, 1)) + shift, &
+               rows%ints(i, 1))
          end do
       end do
    end subroutine read_rows
+
+   !> Row i by itself, for a finding that points at it before the next one is looked at
+   subroutine look_at(deck, rows, i, row)
+      type(deck_t), intent(inout) :: deck
+      type(rows_t), intent(in) :: rows
+      integer, intent(in) :: i                  !! 1 to rows%n
+      type(card_row_t), intent(out) :: row
+
+      type(card_walk_t) :: walk
+      logical :: there
+
+      row = row_of(rows, i)
+      if (deck%block(row%block)%n_far == 0) return
+      call start_walk(deck, row%block, walk)
+      walk%at = rows%at(i)
+      walk%number = row%line
+      call next_card(deck, walk, 1, there)
+      row%line = walk%line
+   end subroutine look_at
 
    !> Collect the fields of a row of this block
    subroutine lay_out(deck, block, layout)
@@ -490,17 +532,16 @@ contains
    end subroutine read_clean_row
 
    !> Read any row, with findings
-   subroutine read_odd_row(deck, layout, i, rows)
+   subroutine read_odd_row(deck, layout, line, i, rows)
       type(deck_t), intent(inout) :: deck
       type(row_layout_t), intent(in) :: layout
-      integer, intent(in) :: i                  !! row
+      integer, intent(in) :: line, i            !! index in deck, row
       type(rows_t), intent(inout) :: rows
 
       type(cut_t) :: cut
       character(len=:), allocatable :: text
-      integer :: k, line
+      integer :: k
 
-      line = rows%line(i)
       text = line_text(deck, line)
       call cut_card(text, layout%n, layout%first(:layout%n), layout%last(:layout%n), cut)
       call report_cut(deck, line, cut)

@@ -10,7 +10,7 @@ module kj_deck_flat
       KW_SURF, KW_LINE, HEAD_ID, HEAD_TYPE_ID
    use kj_card_fields, only: EACH, ONCE, ROWS, DOFS, IDS, TRIPLES, CLAUSES, fields
    use kj_deck_text, only: deck_t, source_t, line_text, first_card, id_shift, add_deck_finding, &
-      add_source, kind_word, FLAT
+      add_source, put_text, kind_word, FLAT
    use kj_card_cut, only: cut_t, cut_card, begins_with_number, MOST_ON_CARD
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_reference, only: named_by_field, named_by_header, named_by_clause, OF_NOTHING, OF_NODE, &
@@ -326,7 +326,6 @@ contains
 
       type(source_t) :: source
       integer :: s, old, n
-      character(len=:), allocatable :: longer
 
       old = deck%line_source(line)
       s = 0
@@ -336,16 +335,11 @@ contains
       if (s == 0) then
          source%path = deck%source(old)%path
          source%role = FLAT
-         allocate (character(len=4096) :: source%text)
+         source%text = ''
          call add_source(deck, source, s)
       end if
       n = deck%source(s)%used
-      if (n + len(text) > len(deck%source(s)%text)) then
-         allocate (character(len=2*(n + len(text))) :: longer)
-         longer(:n) = deck%source(s)%text(:n)
-         call move_alloc(longer, deck%source(s)%text)
-      end if
-      deck%source(s)%text(n + 1:n + len(text)) = text
+      call put_text(text, n, deck%source(s)%text)
       deck%source(s)%used = n + len(text)
       deck%line_source(line) = s
       deck%line_first(line) = n + 1

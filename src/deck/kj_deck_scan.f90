@@ -1,12 +1,17 @@
 !> Files -> lines -> blocks. Follows #include, leaves comments out, knows the keywords.
+!> One file: all of it shares what is under way: file, submodel, block.
 module kj_deck_scan
    use, intrinsic :: iso_fortran_env, only: int64
    use kj_error, only: SEV_ERROR, SEV_WARNING, add_at, str
    use kj_keywords, only: keywords, READ_IT, KW_END, KW_SUBMODEL, KW_ENDSUB
+   use kj_sha256, only: sha256_t, add_text, digest_of
    use kj_spelling, only: upper
+   use kj_element_cards, only: stays_in_file
    use kj_deck_text, only: deck_t, source_t, block_t, submodel_t, add_deck_finding, line_text, &
-      report_line, add_line, add_source, move_source, add_block, load_source, next_line, &
-      first_byte, folder_of, add_file_finding
+      report_line, add_line, add_source, move_source, add_block, load_source, &
+      folder_of, add_file_finding, put_text, PIECE
+   use kj_file_lines, only: file_lines_t, stand_at, take_next, read_piece, next_line, first_byte, &
+      PIECE_SIZE
    use kj_header, only: read_heading
    implicit none
    private
@@ -29,6 +34,10 @@ module kj_deck_scan
       integer :: open(DEEPEST) = 0              !! their index in the deck
       integer(int64) :: n_byte = 0              !! read so far
       logical :: full = .false.                 !! a limit of the deck was met: no more is read
+      ! of a full deck
+      integer(int64) :: at = 0, next = 0        !! bytes before the line under way, and with it
+      logical :: far = .false.                  !! the cards of the block stay in the file
+      logical :: back = .false.                 !! these must become lines after all
       character(len=:), allocatable :: folder   !! of the first file: includes start there
    end type scan_t
 
@@ -51,7 +60,7 @@ contains
       allocate (deck%source(4), deck%block(64), deck%submodel(0))
       problem = ''
       if (present(given)) call move_source(given, source)
-      if (.not. present(given)) call load_source(path, 'starter', source, problem)
+      if (.not. present(given)) call open_source(deck, path, 'starter', source, problem)
       if (len(problem) > 0) then
          call add_file_finding('KJ-9030', 'the deck cannot be read: '//problem, path, 0, '', 0, 0, &
             deck%findings)
@@ -67,7 +76,89 @@ contains
       if (scan%submodel > 0) call report_line(deck, &
          deck%block(deck%submodel(scan%submodel)%block)%header, SEV_WARNING, 'KJ-9401', &
          'the submodel has no end', 'taken to the end of the deck', 'expected: //ENDSUB')
+      if (deck%full .and. deck%n_line > 0) call keep_lines_free(deck)
    end subroutine scan_deck
+
+   !> A source with its text; of a full deck without it
+   subroutine open_source(deck, path, role, source, problem)
+      type(deck_t), intent(in) :: deck
+      character(len=*), intent(in) :: path, role
+      type(source_t), intent(out) :: source
+      character(len=:), allocatable, intent(out) :: problem
+
+      integer(int64) :: n
+
+      if (.not. deck%full) then
+         call load_source(path, role, source, problem)
+         return
+      end if
+      source%path = path
+      source%role = role
+      call read_piece(path, 0_int64, PIECE_SIZE, source%text, n, problem)   ! can it be?
+      source%text = ''
+   end subroutine open_source
+
+   !> Lines for cards that stayed in the file, and a source for the piece of it that holds them
+   subroutine keep_lines_free(deck)
+      type(deck_t), intent(inout) :: deck
+
+      type(source_t) :: source
+      integer :: i
+
+      source%path = ''
+      source%text = ''
+      source%role = PIECE
+      call add_source(deck, source, deck%piece)
+      do i = 1, 3
+         call add_line(deck, deck%piece, 0, 1, 0)
+      end do
+      deck%far_line = deck%n_line - 2
+   end subroutine keep_lines_free
+
+   !> Scan a file of a full deck, piece by piece: what is no line is not kept in memory
+   recursive subroutine scan_file(deck, s, scan)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: s                  !! index of the file
+      type(scan_t), intent(inout) :: scan
+
+      type(file_lines_t) :: lines
+      type(sha256_t) :: sum
+      integer(int64) :: summed
+      integer :: first, last, n
+      logical :: there, over
+
+      call stand_at(lines, deck%source(s)%path, 0_int64, 0)
+      scan%n_byte = scan%n_byte + lines%n_byte
+      summed = 0
+      over = .false.
+      do
+         if (s == 1 .and. summed < lines%start + len(lines%text)) then
+            call add_text(sum, lines%text(int(summed - lines%start) + 1:))
+            summed = lines%start + len(lines%text)
+         end if
+         call take_next(lines, first, last, there)
+         if (.not. there) exit
+         if (over) cycle                        ! what is behind the end counts for the sum alone
+         scan%at = lines%start + first - 1
+         scan%next = min(lines%n_byte, lines%start + lines%next - 1)
+         n = deck%source(s)%used
+         call put_text(lines%text(first:last), n, deck%source(s)%text)
+         call take_line(deck, s, lines%number, n + 1, n + last - first + 1, scan)
+         if (scan%depth == 1 .and. scan%next == lines%n_byte) deck%torn = scan%in_block .and. &
+            last == len(lines%text)
+         over = scan%ended .or. scan%full
+         if (over .and. s > 1) exit
+         if (.not. scan%back) cycle
+         scan%back = .false.                    ! read these cards again, as lines
+         associate (b => deck%block(deck%n_block))
+            call stand_at(lines, deck%source(s)%path, b%from, b%number)
+            b%n_far = 0
+         end associate
+      end do
+      if (s == 1) deck%source(s)%digest = digest_of(sum)
+      if (len(lines%problem) > 0) call add_file_finding('KJ-9030', 'the deck cannot be read: '// &
+         lines%problem, deck%source(s)%path, 0, '', 0, 0, deck%findings)
+   end subroutine scan_file
 
    !> Append a file to the deck and scan its lines
    recursive subroutine scan_source(source, deck, scan)
@@ -77,13 +168,14 @@ contains
 
       integer :: s, number, first, last, next
 
-      scan%n_byte = scan%n_byte + len(source%text)
       call add_source(deck, source, s)
       scan%depth = scan%depth + 1
       scan%open(scan%depth) = s
+      scan%n_byte = scan%n_byte + len(deck%source(s)%text)
       number = 0
       first = first_byte(deck%source(s)%text)
-      do while (first <= len(deck%source(s)%text))
+      if (deck%full) call scan_file(deck, s, scan)
+      do while (.not. deck%full .and. first <= len(deck%source(s)%text))
          number = number + 1
          call next_line(deck%source(s)%text, first, last, next)
          call take_line(deck, s, number, first, last, scan)
@@ -136,7 +228,9 @@ contains
             return
          end if
       end if
-      if (scan%in_block) then
+      if (scan%in_block .and. scan%far) then
+         call leave_card(deck, number, index(deck%source(s)%text(first:last), '&') > 0, scan)
+      else if (scan%in_block) then
          call add_line(deck, s, number, first, last)
          scan%title_due = .false.
       else if (.not. scan%stray .and. deck%source(s)%text(first:last) /= '') then
@@ -146,6 +240,25 @@ contains
          scan%stray = .true.
       end if
    end subroutine take_line
+
+   !> A card that stays in the file; where one names a parameter all of its block become lines
+   subroutine leave_card(deck, number, named, scan)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: number             !! of the line
+      logical, intent(in) :: named
+      type(scan_t), intent(inout) :: scan
+
+      associate (b => deck%block(deck%n_block))
+         if (b%n_far == 0) then
+            b%from = scan%at
+            b%number = number - 1
+         end if
+         b%n_far = b%n_far + 1
+         b%to = scan%next
+      end associate
+      scan%back = named
+      scan%far = .not. named
+   end subroutine leave_card
 
    !> A deck whose keywords begin with *: there is no sense in going on
    subroutine refuse_stars(deck, s, number, first, last, scan)
@@ -193,6 +306,7 @@ contains
       if (block%keyword == KW_SUBMODEL) call enter_submodel(deck, scan, block%id)
       if (block%keyword == KW_ENDSUB) call leave_submodel(deck, line, scan)
       scan%in_block = .true.
+      scan%far = deck%full .and. stays_in_file(block%keyword)
       scan%stray = .false.
       if (block%keyword == KW_END) call end_deck(deck, line, scan)
    end subroutine open_block
@@ -303,7 +417,7 @@ contains
       if (deck%n_source == MOST_FILES) problem = 'the deck includes more than '//str(MOST_FILES)// &
          ' files'
       if (scan%n_byte > MOST_BYTES) problem = 'the deck is of more than 4 GiB'
-      if (len(problem) == 0) call load_source(path, 'include', source, problem)
+      if (len(problem) == 0) call open_source(deck, path, 'include', source, problem)
       if (len(problem) > 0) then
          call add_file_finding('KJ-9031', 'the included file cannot be read: '//problem, &
             deck%source(s)%path, number, text, n - len(name) + 1, n, deck%findings)

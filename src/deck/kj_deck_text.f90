@@ -1,13 +1,15 @@
 !> A deck as text: its files, the lines that count and the blocks they form.
 !>
-!> A file is one string, read at once; a line is a pair of places in it: 1e6 lines cost four
-!> integers each.
+!> A line is a pair of places in the text of its file: 1e6 lines cost four integers each. Of a full
+!> deck comments and the cards of nodes and elements are no lines: they stay in the file, and
+!> kj_card_walk reads them when somebody asks.
 !> One file: lines, blocks and findings all point into the same texts.
 module kj_deck_text
+   use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, add_at, SEV_ERROR, error_t, fail, fail_at, add_finding, &
       ERR_FILE, ERR_INPUT
-   use kj_system, only: file_kind, KIND_FOLDER, KIND_OTHER
+   use kj_file_lines, only: read_piece
    use kj_units, only: unit_system_t, dimensions, factor_of
    use kj_keywords, only: keywords, N_KEYWORD
    implicit none
@@ -16,16 +18,18 @@ module kj_deck_text
    public :: source_t, block_t, deck_t, submodel_t, id_shift, line_text, place_of, title_of, &
       first_card, block_factors, add_deck_finding, report_file, report_header, report_line, &
       header_end, lengthen, mute_block, add_line, add_source, move_source, add_block, load_source, &
-      next_line, first_byte, folder_of, add_file_finding, block_at, kind_word
+      put_text, folder_of, add_file_finding, block_at, kind_word
 
-   character(len=*), parameter, public :: FLAT = 'flat'   !! role of a source made of others
+   !> Roles of sources that are no files: lines made of others, a piece of a file
+   character(len=*), parameter, public :: FLAT = 'flat', PIECE = 'piece'
 
    !> A file in memory
    type :: source_t
       character(len=:), allocatable :: path     !! as the user or the #include named it
-      character(len=:), allocatable :: text     !! all bytes of the file
-      character(len=8) :: role = 'starter'      !! starter, engine, include, flat (made of others)
-      integer :: used = 0                       !! flat: bytes in use
+      character(len=:), allocatable :: text     !! all bytes of the file; of a full deck its lines
+      character(len=8) :: role = 'starter'      !! starter, engine, include, flat, piece
+      integer :: used = 0                       !! bytes in use where the text grows
+      character(len=64) :: digest = ''          !! SHA-256 of the first file of a full deck
    end type source_t
 
    !> A //SUBMODEL: its blocks have ids that count from its offsets
@@ -46,6 +50,11 @@ module kj_deck_text
       integer :: submodel = 0                   !! index of the submodel it stands in, 0 = none
       integer :: header = 0                     !! line of the header
       integer :: first = 1, last = 0            !! its lines, title included; last < first: none
+      !> cards that stay in the file: how many, before its byte from + 1 to its byte to; the number
+      !> of the line before them
+      integer :: n_far = 0
+      integer(int64) :: from = 0, to = 0
+      integer :: number = 0
       !> another layout: findings on its cards mean nothing
       logical :: mute = .false.
    end type block_t
@@ -55,6 +64,10 @@ module kj_deck_text
       type(finding_list_t) :: findings
       type(source_t), allocatable :: source(:)  !! (n_source)
       integer :: n_source = 0
+      integer :: piece = 0                      !! the source that holds a piece of a file, 0 = none
+      integer :: piece_file = 0                 !! index of that file
+      integer(int64) :: piece_start = 0         !! bytes before the piece
+      integer :: far_line = 0                   !! the first of three lines for cards in the piece
       integer :: n_line = 0                     !! headers and cards; comments are left out
       integer, allocatable :: line_source(:)    !! (>= n_line) index of the file
       integer, allocatable :: line_number(:)    !! (>= n_line) number in the file, 1-based
@@ -373,6 +386,7 @@ contains
       deck%line_number(n) = number
       deck%line_first(n) = first
       deck%line_last(n) = last
+      deck%source(s)%used = max(deck%source(s)%used, last)
    end subroutine add_line
 
    !> Move a text into the deck
@@ -402,9 +416,26 @@ contains
 
       to%role = from%role
       to%used = from%used
+      to%digest = from%digest
       call move_alloc(from%path, to%path)
       call move_alloc(from%text, to%text)
    end subroutine move_source
+
+   !> Write a text behind the first n bytes of another
+   pure subroutine put_text(line, n, text)
+      character(len=*), intent(in) :: line
+      integer, intent(in) :: n
+      character(len=:), allocatable, intent(inout) :: text
+
+      character(len=:), allocatable :: longer
+
+      if (n + len(line) > len(text)) then
+         allocate (character(len=2*(n + len(line)) + 4096) :: longer)
+         longer(:n) = text(:n)
+         call move_alloc(longer, text)
+      end if
+      text(n + 1:n + len(line)) = line
+   end subroutine put_text
 
    !> Append a block
    pure subroutine add_block(deck, block)
@@ -434,110 +465,17 @@ contains
    end subroutine lengthen
 
    !> Read a whole file; `problem` is '' when that went well.
-   !>
-   !> One thread at a time: a Fortran program cannot have a file open twice.
    subroutine load_source(path, role, source, problem)
       character(len=*), intent(in) :: path, role
       type(source_t), intent(out) :: source
       character(len=:), allocatable, intent(out) :: problem
 
+      integer(int64) :: n
+
       source%path = path
       source%role = role
-      !$omp critical (kj_source_file)
-      call read_file(path, source%text, problem)
-      !$omp end critical (kj_source_file)
-      if (problem == '') call judge_text(source%text, problem)
-      if (problem /= '') source%text = ''
+      call read_piece(path, 0_int64, huge(0), source%text, n, problem)
    end subroutine load_source
-
-   !> What is no text that can be read as lines
-   pure subroutine judge_text(text, problem)
-      character(len=*), intent(in) :: text
-      character(len=:), allocatable, intent(inout) :: problem
-
-      integer :: n
-
-      if (len(text) < 4) return
-      n = min(len(text), 100000)                 ! decks may be large
-      if (any(text(:2) == [char(255)//char(254), char(254)//char(255)]) .or. &
-         (text(:1) > char(0) .and. text(2:2) == char(0) .and. text(4:4) == char(0))) then
-         problem = 'it is UTF-16: save it as UTF-8'
-      else if (text(:2) == char(31)//char(139)) then
-         problem = 'it is packed by gzip'
-      else if (index(text(:n), char(13)) > 0 .and. index(text(:n), char(10)) == 0) then
-         problem = 'its lines end in CR: save it with LF or CR LF'
-      end if
-   end subroutine judge_text
-
-   !> Where the lines of a text begin: behind a byte order mark
-   pure integer function first_byte(text) result(first)
-      character(len=*), intent(in) :: text
-
-      first = 1
-      if (text(:min(3, len(text))) == char(239)//char(187)//char(191)) first = 4
-   end function first_byte
-
-   subroutine read_file(path, text, problem)
-      character(len=*), intent(in) :: path
-      character(len=:), allocatable, intent(out) :: text, problem
-
-      integer, parameter :: long = selected_int_kind(18)
-      character(len=200) :: message
-      character(len=1) :: byte
-      integer(long) :: n
-      integer :: unit, stat
-
-      text = ''
-      problem = ''
-      message = ''
-      if (any(file_kind(path) == [KIND_FOLDER, KIND_OTHER])) then
-         problem = 'it is no regular file'
-         if (file_kind(path) == KIND_FOLDER) problem = 'it is a folder'
-         return
-      end if
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
-         status='old', iostat=stat, iomsg=message)
-      if (stat /= 0) then
-         problem = trim(message)
-         if (problem == '') problem = 'cannot be opened'
-         return
-      end if
-      inquire (unit=unit, size=n)
-      if (n < 0 .or. n >= int(huge(stat), long)) then
-         problem = 'has no size, or is of 2 GiB and more'
-      else if (n > 0) then
-         deallocate (text)
-         allocate (character(len=n) :: text, stat=stat)
-         if (stat == 0) read (unit, iostat=stat, iomsg=message) text
-         if (stat /= 0) problem = 'cannot be read: '//trim(message)
-         if (stat /= 0) text = ''
-      else
-         read (unit, iostat=stat) byte          ! those of /proc have no size, but bytes
-         if (stat == 0) problem = 'it is no regular file'
-      end if
-      close (unit, iostat=stat)
-      if (stat /= 0) problem = 'cannot be closed'
-   end subroutine read_file
-
-   !> Find the end of the line that begins at byte `first`
-   pure subroutine next_line(text, first, last, next)
-      character(len=*), intent(in) :: text
-      integer, intent(in) :: first
-      integer, intent(out) :: last              !! its last byte, line feed and return left out
-      integer, intent(out) :: next              !! first byte of the next line
-
-      character(len=1), parameter :: FEED = achar(10), RETURN = achar(13)
-      integer :: i
-
-      do i = first, len(text)
-         if (text(i:i) == FEED) exit
-      end do
-      next = i + 1
-      last = i - 1
-      if (last >= first) then
-         if (text(last:last) == RETURN) last = last - 1
-      end if
-   end subroutine next_line
 
    !> Folder of a path with its slash; '' when it has none
    pure function folder_of(path) result(folder)

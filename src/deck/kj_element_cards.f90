@@ -3,14 +3,16 @@
 module kj_element_cards
    use kj_keywords, only: KW_SHELL, KW_SH3N, KW_BRICK, KW_TETRA4, KW_PENTA6, KW_TETRA10, &
       KW_BRIC20, KW_SHEL16, KW_BEAM, KW_TRUSS, KW_SPRING, KW_GRSHEL, KW_GRSH3N, KW_GRBRIC, &
-      KW_GRBEAM, KW_GRTRUS, KW_GRSPRI
-   use kj_deck_text, only: deck_t
+      KW_GRBEAM, KW_GRTRUS, KW_GRSPRI, KW_NODE
+   use kj_deck_text, only: deck_t, id_shift
+   use kj_card_walk, only: card_walk_t, next_card
+   use kj_reference, only: OF_ELEMENT, OF_NODE
    use kj_card_cut, only: cut_t, cut_card, read_integer_at
    use kj_number, only: parse_integer, NUMBER_FINE, NUMBER_BLANK
    implicit none
    private
 
-   public :: element_row, read_element
+   public :: element_row, stays_in_file, read_element
 
    integer, parameter, public :: MOST_NODES = 20
 
@@ -47,29 +49,56 @@ contains
       end do
    end function element_row
 
-   !> The element that begins on a line; a card that is missing reads as zeros
+   !> The cards of a block stay in the file of a full deck: those of nodes and elements do
+   pure logical function stays_in_file(keyword)
+      integer, intent(in) :: keyword             !! KW_ constant
+
+      stays_in_file = keyword == KW_NODE .or. &
+         (element_row(keyword) > 0 .and. keyword /= KW_SPRING)
+   end function stays_in_file
+
+   !> The next element of a walk; a card that is missing reads as zeros
    !>
    !> Goes on after a wrong field: it reads as 0, and a finding tells of it.
-   subroutine read_element(deck, row, line, last, id, node)
+   subroutine read_element(deck, row, walk, id, node, there)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: row                 !! of the table
-      integer, intent(inout) :: line             !! index in deck; then that of the next element
-      integer, intent(in) :: last                !! last line of the block
+      type(card_walk_t), intent(inout) :: walk
       integer, intent(out) :: id
       integer, intent(out) :: node(MOST_NODES)   !! ids, 0 = none
+      logical, intent(out) :: there              !! .false.: the block has no more
 
       integer :: value(MOST_NODES + 1), n, card
+      logical :: has_card
 
       value = 0
       n = 0
+      there = .false.
       do card = 1, 3
          if (element_cards(row)%ints(card) == 0) exit
-         if (line <= last) call read_card(deck, line, element_cards(row)%ints(card), value(n + 1:))
+         call next_card(deck, walk, card, has_card)
+         if (has_card) call read_card(deck, walk%line, element_cards(row)%ints(card), &
+            value(n + 1:))
+         there = there .or. has_card
          n = n + element_cards(row)%ints(card)
-         line = line + 1
       end do
+      associate (b => deck%block(walk%block))
+         if (b%n_far > 0 .and. b%submodel > 0) then   ! those in lines are shifted there
+            call shift(id_shift(deck, b%submodel, OF_ELEMENT), value(1))
+            call shift(id_shift(deck, b%submodel, OF_NODE), value(2:))
+         end if
+      end associate
       id = value(1)
       node = value(2:)
+
+   contains
+
+      elemental subroutine shift(by, value)
+         integer, intent(in) :: by
+         integer, intent(inout) :: value
+
+         if (value /= 0) value = sign(abs(value) + by, value)
+      end subroutine shift
    end subroutine read_element
 
    !> n integers of a line

@@ -1,11 +1,13 @@
 !> Lines of an engine deck: words of a header, values of a list-directed line with their places.
 module kj_engine_text
+   use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    use kj_error, only: SEV_ERROR, SEV_WARNING, str
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_BLANK, NUMBER_TEXT, &
       NUMBER_NOT_FINITE
    use kj_deck_text, only: deck_t, add_deck_finding, line_text, report_line, add_line, &
-      load_source, next_line, first_byte, add_file_finding
+      add_file_finding
+   use kj_file_lines, only: file_lines_t, stand_at, take_next, read_piece, next_line, first_byte
    implicit none
    private
 
@@ -23,20 +25,26 @@ module kj_engine_text
 contains
 
    !> Load an engine deck: all lines but comments and blank ones; deck%readable tells of a failure
+   !>
+   !> Of a deck in one file the engine part begins at /RUN.
    subroutine load_engine(path, deck)
       character(len=*), intent(in) :: path
       type(deck_t), intent(inout) :: deck
 
       character(len=:), allocatable :: problem
+      integer(int64) :: start, n_byte
       integer :: first, last, next, number
+      logical :: found
 
       allocate (deck%source(1))
       deck%n_source = 1
-      call load_source(path, 'engine', deck%source(1), problem)
+      deck%source(1)%path = path
+      deck%source(1)%role = 'engine'
+      call find_engine_part(path, start, number, found)
+      call read_piece(path, start, huge(first), deck%source(1)%text, n_byte, problem)
       deck%readable = len(problem) == 0
       if (.not. deck%readable) call add_file_finding('KJ-9030', &
          'the engine deck cannot be read: '//problem, path, 0, '', 0, 0, deck%findings)
-      number = 0
       first = first_byte(deck%source(1)%text)
       do while (first <= len(deck%source(1)%text))
          number = number + 1
@@ -44,40 +52,46 @@ contains
          if (is_data(deck%source(1)%text(first:last))) call add_line(deck, 1, number, first, last)
          first = next
       end do
-      call skip_starter(deck)
    end subroutine load_engine
 
-   !> Of a deck in one file the engine part begins at /RUN
-   pure subroutine skip_starter(deck)
-      type(deck_t), intent(inout) :: deck
+   !> Where the engine part of a file begins: its first byte but for that of a deck in one file
+   subroutine find_engine_part(path, start, number, found)
+      character(len=*), intent(in) :: path
+      integer(int64), intent(out) :: start      !! bytes before it
+      integer, intent(out) :: number            !! lines before it
+      logical, intent(out) :: found
 
-      integer :: line, first, n
-      logical :: one_file
+      type(file_lines_t) :: lines
+      integer :: first, last
+      logical :: there, one_file, blank
 
-      first = 0
+      start = 0
+      number = 0
       one_file = .false.
-      do line = deck%n_line, 1, -1
-         if (index(line_text(deck, line), '/RUN') == 1) first = line
-         one_file = one_file .or. index(line_text(deck, line), '/BEGIN') == 1
+      blank = .true.
+      call stand_at(lines, path, 0_int64, 0)
+      do
+         call take_next(lines, first, last, there)
+         found = .false.
+         if (.not. there) return
+         found = index(lines%text(first:last), '/RUN') == 1 .and. (one_file .or. blank)
+         if (found) exit
+         if (index(lines%text(first:last), '/BEGIN') == 1) one_file = .true.
+         if (blank) blank = .not. is_data(lines%text(first:last))
       end do
-      if (.not. one_file .or. first == 0) return
-      n = deck%n_line - first + 1
-      deck%line_source(:n) = deck%line_source(first:deck%n_line)
-      deck%line_number(:n) = deck%line_number(first:deck%n_line)
-      deck%line_first(:n) = deck%line_first(first:deck%n_line)
-      deck%line_last(:n) = deck%line_last(first:deck%n_line)
-      deck%n_line = n
-   end subroutine skip_starter
+      if (.not. one_file) return
+      start = lines%start + first - 1
+      number = lines%number - 1
+   end subroutine find_engine_part
 
    !> The file of a starter deck holds an engine part, too
    logical function has_engine_part(path) result(has)
       character(len=*), intent(in) :: path
 
-      type(deck_t) :: deck
+      integer(int64) :: start
+      integer :: number
 
-      has = .false.
-      call load_engine(path, deck)
-      if (deck%n_line > 0) has = index(line_text(deck, 1), '/RUN') == 1
+      call find_engine_part(path, start, number, has)
    end function has_engine_part
 
    !> The line is neither a comment nor blank

@@ -10,7 +10,8 @@ module kj_element_mass
       KW_BRIC20, &
       KW_SHEL16, KW_BEAM, KW_TRUSS, KW_SPRING
    use kj_error, only: str, SEV_ERROR
-   use kj_deck_text, only: first_card, block_factors, add_deck_finding
+   use kj_deck_text, only: block_factors, add_deck_finding
+   use kj_card_walk, only: card_walk_t, start_walk
    use kj_card_cut, only: read_real_at
    use kj_element_cards, only: element_row, element_cards, read_element, MOST_NODES
    use kj_draft, only: draft_t
@@ -49,8 +50,7 @@ module kj_element_mass
       integer :: raw(MOST_NODES) = 0             !! raw indices of its nodes, 0 = none
       integer :: unknown = 0, unknown_id = 0     !! last of its nodes that is not defined, 0 = none
       real(wp) :: mass(MOST_NODES) = 0.0_wp, inertia(MOST_NODES) = 0.0_wp
-      ! where the next one begins
-      integer :: block = 0, next = 0
+      type(card_walk_t) :: walk, start           !! behind it, and before it
    end type element_t
 
 contains
@@ -152,7 +152,10 @@ contains
             total = total + e%mass(i)
          end do
       end do
-      if (n_wrong > 0) call report_node(draft, wrong, n_wrong)
+      if (n_wrong == 0) return
+      wrong%walk = wrong%start
+      call next_element(draft, wrong)            ! its cards may have left memory
+      call report_node(draft, wrong, n_wrong)
    end subroutine weigh_block
 
    !> The finding of elements with a node that is not defined
@@ -179,8 +182,7 @@ contains
       integer, intent(in) :: block
       type(element_t), intent(out) :: e
 
-      e%block = block
-      e%next = first_card(draft%deck, block)
+      call start_walk(draft%deck, block, e%walk)
       e%part = find(draft%part, draft%deck%block(block)%id)
    end subroutine first_element
 
@@ -190,16 +192,17 @@ contains
       type(element_t), intent(inout) :: e
 
       integer :: node(MOST_NODES), i
+      logical :: there
 
-      e%row = 0
-      do while (e%next <= draft%deck%block(e%block)%last)
-         e%row = element_row(draft%deck%block(e%block)%keyword)
-         e%line = e%next
-         call read_element(draft%deck, e%row, e%next, draft%deck%block(e%block)%last, e%id, node)
-         if (e%id /= 0) exit
-         e%row = 0
+      e%row = element_row(draft%deck%block(e%walk%block)%keyword)
+      do
+         e%start = e%walk
+         call read_element(draft%deck, e%row, e%walk, e%id, node, there)
+         if (e%id /= 0 .or. .not. there) exit
       end do
-      if (e%row == 0) return
+      if (.not. there) e%row = 0
+      if (.not. there) return
+      e%line = e%walk%line - count(element_cards(e%row)%ints > 0) + 1
       e%unknown = 0
       do i = 1, MOST_NODES
          e%raw(i) = 0
@@ -321,7 +324,7 @@ contains
          b = len_trim(text)
       end associate
       if (a == 0) return
-      factor = block_factors(draft%deck, e%block)
+      factor = block_factors(draft%deck, e%walk%block)
       call read_real_at(draft%deck, e%line, 80 + a, 80 + b, 'Thick', 'thickness of the element', &
          factor(D_LENGTH), thickness)
    end subroutine card_thickness

@@ -8,8 +8,7 @@ module kj_extract
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_NOTE
    use kj_version, only: KJOINT_VERSION
-   use kj_sort, only: find
-   use kj_sha256, only: sha256
+   use kj_sort, only: lookup_t, new_lookup, find, lower_bound
    use kj_keywords, only: keywords, HEAD_ID, HEAD_TYPE_ID, KW_BEGIN, KW_TITLE, KW_ANALY, &
       KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, KW_TH_PART, &
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
@@ -29,11 +28,12 @@ module kj_extract
 contains
 
    !> The starter deck of the mechanism
-   subroutine write_mechanism(draft, model, keep, spring_mass, spring_inertia, page)
+   subroutine write_mechanism(draft, model, keep, kept, spring_mass, spring_inertia, page)
       type(draft_t), intent(inout) :: draft
       type(model_t), intent(in) :: model         !! bodies, weighed
       type(keep_t), intent(in) :: keep
-      real(wp), intent(in) :: spring_mass(:), spring_inertia(:)   !! (n_node) of kept springs
+      integer, intent(in) :: kept(:)             !! raw indices of kept nodes, ascending
+      real(wp), intent(in) :: spring_mass(:), spring_inertia(:)   !! of kept springs, on these
       type(page_t), intent(inout) :: page
 
       integer :: unit
@@ -41,9 +41,9 @@ contains
       unit = work_unit(draft%deck)
       call write_head(draft%deck, unit, page)
       call write_nodes(draft, model, keep, unit, page)
-      call write_bodies(draft, model, keep, unit, spring_mass, spring_inertia, page)
+      call write_bodies(draft, model, unit, kept, spring_mass, spring_inertia, page)
       call write_springs(draft, keep, page)
-      call write_masses(draft, keep, unit, spring_mass, page)
+      call write_masses(draft, unit, kept, spring_mass, page)
       call write_axes(draft, keep, unit, page)
       call write_tables(draft, keep, page)
       call write_conditions(draft, keep, page)
@@ -89,7 +89,7 @@ contains
          '# The mechanism of '//deck%source(1)%path(len(folder_of(deck%source(1)%path)) + 1:)// &
          ', taken out by kjoint '// &
          KJOINT_VERSION)
-      call put(page, '# SHA-256 of that deck: '//sha256(deck%source(1)%text))
+      call put(page, '# SHA-256 of that deck: '//deck%source(1)%digest)
       do block = 1, deck%n_block
          if (.not. any(deck%block(block)%keyword == [KW_BEGIN, KW_TITLE, KW_ANALY])) cycle
          if (deck%block(block)%keyword == KW_BEGIN) call write_begin(deck, block, page)
@@ -206,23 +206,20 @@ contains
    end subroutine write_nodes
 
    !> Bodies with the mass and inertia that they have in the full deck: ICoG 4 takes them as typed
-   subroutine write_bodies(draft, model, keep, unit, spring_mass, spring_inertia, page)
+   subroutine write_bodies(draft, model, unit, kept, spring_mass, spring_inertia, page)
       type(draft_t), intent(in) :: draft
       type(model_t), intent(in) :: model
-      type(keep_t), intent(in) :: keep
-      integer, intent(in) :: unit
+      integer, intent(in) :: unit, kept(:)
       real(wp), intent(in) :: spring_mass(:), spring_inertia(:)
       type(page_t), intent(inout) :: page
 
+      type(lookup_t) :: of_body
       real(wp) :: j(3, 3), axes(3, 3)
-      integer :: b, main, i, k, next, main_of(model%n_body)
-      integer, allocatable :: node(:), kept(:)
+      integer :: b, main, i, next, first, last
+      integer :: main_of(0:maxval([0, model%n_body, draft%main_of(kept)]))   ! places in kept
 
-      kept = pack([(k, k=1, draft%n_node)], draft%body > 0 .and. keep%node)
-      main_of = 0
-      do i = 1, draft%n_node
-         if (draft%main_of(i) > 0) main_of(draft%main_of(i)) = i
-      end do
+      main_of(draft%main_of(kept)) = [(i, i=1, size(kept))]
+      call new_lookup(draft%body(kept), of_body)
       next = free_group(draft)
       do b = 1, model%n_body
          main = main_of(b)
@@ -232,17 +229,19 @@ contains
          do i = 1, 3
             j(i, i) = j(i, i) - spring_inertia(main)
          end do
-         node = pack(kept, draft%body(kept) == b)
+         first = lower_bound(of_body%id, b)
+         last = lower_bound(of_body%id, b + 1) - 1
          call put(page, '/RBODY/'//str(model%body_id(b))//suffix(unit))
          call put(page, model%body_name(b)%s)
-         call put(page, integer_field(draft%id(main))//integer_field(0)//integer_field(0)// &
+         call put(page, integer_field(draft%id(kept(main)))//integer_field(0)//integer_field(0)// &
             integer_field(merge(1, 3, model%ispher(b) == 1))// &
             real_field(model%mass(b) - spring_mass(main))//integer_field(next)// &
             integer_field(0)//integer_field(4)//integer_field(0))
          call put(page, triple([j(1, 1), j(2, 2), j(3, 3)]))
          call put(page, triple([j(1, 2), j(2, 3), j(1, 3)]))
          call put(page, integer_field(0)//integer_field(0)//integer_field(0))
-         call write_group(draft, next, 'nodes of body '//str(model%body_id(b)), node, page)
+         call write_group(draft, next, 'nodes of body '//str(model%body_id(b)), &
+            kept(of_body%place(first:last)), page)
          next = next + 1
       end do
    end subroutine write_bodies
@@ -308,10 +307,9 @@ contains
    end subroutine write_springs
 
    !> Mass of free nodes: that of dropped elements and /ADMAS; kept springs bring their own
-   subroutine write_masses(draft, keep, unit, spring_mass, page)
+   subroutine write_masses(draft, unit, kept, spring_mass, page)
       type(draft_t), intent(in) :: draft
-      type(keep_t), intent(in) :: keep
-      integer, intent(in) :: unit
+      integer, intent(in) :: unit, kept(:)
       real(wp), intent(in) :: spring_mass(:)
       type(page_t), intent(inout) :: page
 
@@ -320,14 +318,14 @@ contains
       logical :: open
 
       open = .false.
-      do i = 1, draft%n_node
-         if (.not. keep%node(i) .or. body_of(draft, i) > 0) cycle
-         mass = draft%mass(i) - spring_mass(i)
-         if (.not. mass > 1.0e-12_wp*draft%mass(i)) cycle
+      do i = 1, size(kept)
+         if (body_of(draft, kept(i)) > 0) cycle
+         mass = draft%mass(kept(i)) - spring_mass(i)
+         if (.not. mass > 1.0e-12_wp*draft%mass(kept(i))) cycle
          if (.not. open) call put(page, '/ADMAS/5/1'//suffix(unit))
          if (.not. open) call put(page, 'mass of free nodes')
          open = .true.
-         call put(page, real_field(mass)//integer_field(draft%id(i)))
+         call put(page, real_field(mass)//integer_field(draft%id(kept(i))))
       end do
    end subroutine write_masses
 

@@ -4,9 +4,9 @@
 module kj_mechanism
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, add_finding
-   use kj_sort, only: find
+   use kj_sort, only: find, lower_bound
    use kj_keywords, only: KW_SPRING
-   use kj_deck_text, only: deck_t, source_t, add_source, block_at
+   use kj_deck_text, only: deck_t, source_t, add_source, block_at, FLAT, PIECE
    use kj_deck, only: read_deck
    use kj_parameter, only: setting_t
    use kj_draft, only: draft_t
@@ -44,7 +44,9 @@ contains
       type(keep_t) :: keep
       type(page_t) :: page
       real(wp), allocatable :: element_mass(:), spring_mass(:), spring_inertia(:)
+      integer, allocatable :: kept(:)
       integer :: i
+      integer, allocatable :: files(:)
 
       draft%deck%findings = findings
       draft%deck%ignore_random = deck%ignore_random
@@ -56,9 +58,10 @@ contains
       if (draft%deck%findings%n_error == count_late(draft%deck%findings) .and. &
          draft%deck%readable) then
          call decide(draft, element_mass, keep)
-         call weigh_kept_springs(draft, scales, keep, spring_mass, spring_inertia)
+         kept = pack([(i, i=1, draft%n_node)], keep%node)
+         call weigh_kept_springs(draft, scales, keep, kept, spring_mass, spring_inertia)
          call new_page(page)
-         call write_mechanism(draft, model, keep, spring_mass, spring_inertia, page)
+         call write_mechanism(draft, model, keep, kept, spring_mass, spring_inertia, page)
          call new_report(draft, scales, model, keep, element_mass, report)
       end if
       deck%findings = draft%deck%findings
@@ -67,9 +70,12 @@ contains
       report%text = page%text(:page%n)
       call read_page(path, page, draft%deck, deck)
       call leave_repeats(draft%deck%findings%n, deck%findings)
-      allocate (report%input(deck%n_source - 1))
-      do i = 1, size(report%input)
-         report%input(i)%s = deck%source(i + 1)%path
+      associate (role => deck%source(:deck%n_source)%role)
+         files = pack([(i, i=2, deck%n_source)], role(2:) /= FLAT .and. role(2:) /= PIECE)
+      end associate
+      allocate (report%input(size(files)))
+      do i = 1, size(files)
+         report%input(i)%s = deck%source(files(i))%path
       end do
    end subroutine take_mechanism
 
@@ -102,16 +108,17 @@ contains
    end subroutine leave_repeats
 
    !> Mass and inertia that kept springs put on nodes
-   subroutine weigh_kept_springs(draft, scales, keep, mass, inertia)
+   subroutine weigh_kept_springs(draft, scales, keep, kept, mass, inertia)
       type(draft_t), intent(inout) :: draft
       type(scales_t), intent(in) :: scales
       type(keep_t), intent(in) :: keep
-      real(wp), allocatable, intent(out) :: mass(:), inertia(:)   !! (n_node)
+      integer, intent(in) :: kept(:)             !! raw indices of nodes, ascending
+      real(wp), allocatable, intent(out) :: mass(:), inertia(:)   !! of these
 
       type(element_t) :: e
-      integer :: block, i
+      integer :: block, i, at
 
-      allocate (mass(draft%n_node), inertia(draft%n_node), source=0.0_wp)
+      allocate (mass(size(kept)), inertia(size(kept)), source=0.0_wp)
       do block = 1, draft%deck%n_block
          if (draft%deck%block(block)%keyword /= KW_SPRING) cycle
          call first_element(draft, block, e)
@@ -123,9 +130,10 @@ contains
             if (.not. keep%spring(i)) cycle
             call weigh(draft, scales, e)
             do i = 1, 3
-               if (e%raw(i) == 0) cycle
-               mass(e%raw(i)) = mass(e%raw(i)) + e%mass(i)
-               inertia(e%raw(i)) = inertia(e%raw(i)) + e%inertia(i)
+               if (e%raw(i) == 0 .or. .not. e%mass(i) > 0.0_wp) cycle
+               at = lower_bound(kept, e%raw(i))
+               mass(at) = mass(at) + e%mass(i)
+               inertia(at) = inertia(at) + e%inertia(i)
             end do
          end do
       end do

@@ -1,6 +1,6 @@
 !> A deck that is being written: lines, each with the line of another deck it is a copy of, if any.
 module kj_text_block
-   use kj_deck_text, only: deck_t, source_t, line_text, lengthen
+   use kj_deck_text, only: deck_t, source_t, line_text, lengthen, put_text
    implicit none
    private
 
@@ -20,7 +20,7 @@ contains
    subroutine new_page(page)
       type(page_t), intent(out) :: page
 
-      allocate (character(len=65536) :: page%text)
+      page%text = ''
       allocate (page%origin(1024), source=0)
    end subroutine new_page
 
@@ -30,18 +30,8 @@ contains
       character(len=*), intent(in) :: line
       integer, intent(in), optional :: origin
 
-      character(len=:), allocatable :: longer
-      integer :: n
-
-      n = page%n + len(line) + 1
-      if (n > len(page%text)) then
-         allocate (character(len=2*n) :: longer)
-         longer(:page%n) = page%text(:page%n)
-         call move_alloc(longer, page%text)
-      end if
-      page%text(page%n + 1:n - 1) = line
-      page%text(n:n) = achar(10)
-      page%n = n
+      call put_text(line//achar(10), page%n, page%text)
+      page%n = page%n + len(line) + 1
       page%n_line = page%n_line + 1
       if (page%n_line > size(page%origin)) call lengthen(page%origin)
       page%origin(page%n_line) = 0

@@ -293,7 +293,8 @@ contains
       end do
    end subroutine keep_whole_bodies
 
-   !> Main nodes, then free nodes, then secondary nodes body by body, ends of elements first
+   !> Main nodes, then free nodes, then secondary nodes body by body, ends of elements first. In a
+   !> full deck main nodes alone: the rest of the model is that of its mechanism
    subroutine number_nodes(draft, crew, model)
       type(draft_t), intent(inout) :: draft
       type(crew_t), intent(in) :: crew(:)
@@ -310,22 +311,24 @@ contains
       allocate (raw(draft%n_node), model%n_secondary(model%n_body))
       n = model%n_body
       raw(:n) = crew%main
-      do i = 1, draft%n_node
+      do i = 1, merge(0, draft%n_node, draft%deck%full)
          if (draft%body(i) > 0 .or. draft%main_of(i) > 0) cycle
          n = n + 1
          raw(n) = i
       end do
       model%n_lead = n
-      model%n_node = draft%n_node
+      model%n_node = merge(n, draft%n_node, draft%deck%full)
       allocate (model%lead(model%n_node))
       model%lead(:n) = [(i, i=1, n)]
       do b = 1, model%n_body
          model%n_secondary(b) = size(crew(b)%node)
+         if (draft%deck%full) cycle
          call add_secondaries(b, pack(crew(b)%node, is_end(crew(b)%node)))
       end do
-      do b = 1, model%n_body
+      do b = 1, merge(0, model%n_body, draft%deck%full)
          call add_secondaries(b, pack(crew(b)%node, .not. is_end(crew(b)%node)))
       end do
+      raw = raw(:n)
       draft%new(raw) = [(i, i=1, n)]
       model%node_id = draft%id(raw)
       model%x0 = draft%x(raw, :)

@@ -13,7 +13,7 @@ module kj_build_scene
    use kj_number, only: parse_integer, NUMBER_FINE, NUMBER_BLANK
    use kj_element_cards, only: element_row
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
-      report_row, row_of
+      report_row, row_of, card_row_t, look_at
    use kj_draft, only: draft_t, blocks_of, group_nodes, known_ids, find_blocks, &
       reference, unsupported
    implicit none
@@ -29,14 +29,14 @@ contains
       type(draft_t), intent(inout) :: draft
 
       type(rows_t) :: rows
+      type(card_row_t) :: row
       type(error_t), allocatable :: error
       integer :: i, n
 
       call read_rows(draft%deck, blocks_of(draft%deck, KW_NODE), rows)
-      n = rows%n
-      draft%n_node = n
+      draft%n_node = rows%n
       draft%id = rows%ints(:, 1)
-      draft%x = rows%reals(:, 1:3)
+      call move_alloc(rows%reals, draft%x)
       call make_main_nodes(draft)
       n = draft%n_node
       draft%id = [(merge(-i, draft%id(i), draft%id(i) == 0), i=1, n)]
@@ -45,19 +45,21 @@ contains
       call new_lookup(draft%id, draft%node)
       do i = 1, n
          if (draft%node%place(i) > rows%n) cycle      ! a node that was made
-         associate (id => draft%node%id(i), row => row_of(rows, draft%node%place(i)))
-            if (rows%ints(draft%node%place(i), 1) == 0) then
-               call report_row(draft%deck, row, 'id', SEV_WARNING, 'KJ-9144', &
-                  'a node has the id 0: nothing can name it', 'expected: a positive id')
-            else if (id <= 0) then
-               call report_row(draft%deck, row, 'id', SEV_ERROR, 'KJ-9144', &
-                  'a node has the id '//str(id), 'expected: a positive id')
-            else if (i > 1) then
-               if (id == draft%node%id(i - 1)) call report_row(draft%deck, row, 'id', SEV_ERROR, &
-                  'KJ-0056', 'node '//str(id)//' is defined twice', 'used before')
-            end if
-         end associate
+         if (draft%node%id(i) > 0 .and. all(draft%node%id(max(1, i - 1):i - 1) /= &
+            draft%node%id(i))) cycle
+         call look_at(draft%deck, rows, draft%node%place(i), row)
+         if (row%ints(1) == 0) then
+            call report_row(draft%deck, row, 'id', SEV_WARNING, 'KJ-9144', &
+               'a node has the id 0: nothing can name it', 'expected: a positive id')
+         else if (row%ints(1) < 0) then
+            call report_row(draft%deck, row, 'id', SEV_ERROR, 'KJ-9144', 'a node has the id '// &
+               str(row%ints(1)), 'expected: a positive id')
+         else
+            call report_row(draft%deck, row, 'id', SEV_ERROR, 'KJ-0056', 'node '// &
+               str(row%ints(1))//' is defined twice', 'used before')
+         end if
       end do
+      rows = rows_t()
       allocate (draft%mass(n), draft%inertia(n), source=0.0_wp)
       allocate (draft%body(n), draft%main_of(n), draft%new(n), source=0)
       if (n > 0) return
@@ -314,7 +316,8 @@ contains
 
       do i = 1, draft%deck%n_block
          associate (b => draft%deck%block(i))
-            if (element_row(b%keyword) == 0 .or. b%keyword == KW_SPRING .or. b%last < b%first) cycle
+            if (element_row(b%keyword) == 0 .or. b%keyword == KW_SPRING .or. &
+               max(b%n_far, b%last - b%first + 1) == 0) cycle
             if (find(draft%part, b%id) == 0 .and. draft%deck%lenient) call report_header( &
                draft%deck, i, SEV_ERROR, 'KJ-0402', 'part '//str(b%id)// &
                ' of these elements is not defined', 'the id is that of a part', &

@@ -9,6 +9,7 @@ module kj_select
       KW_BRICK, KW_TETRA4, KW_TETRA10, KW_BRIC20, KW_PENTA6, KW_SHEL16
    use kj_deck_text, only: line_text, first_card, lengthen, kind_word
    use kj_card_lists, only: ids_t, read_ids, read_id_lines
+   use kj_card_walk, only: card_walk_t, start_walk
    use kj_element_cards, only: element_cards, element_row, read_element, MOST_NODES
    use kj_draft, only: draft_t
    use kj_box, only: box_set_t, is_inside
@@ -98,7 +99,9 @@ contains
       integer, allocatable, intent(inout), optional :: ids(:)   !! appended, not sorted
       type(faces_t), intent(inout), optional :: faces
 
-      integer :: block, row, line, id, node(MOST_NODES), raw(MOST_NODES), members, n, part, i
+      type(card_walk_t) :: walk
+      integer :: block, row, id, node(MOST_NODES), raw(MOST_NODES), members, n, part, i
+      logical :: there
       integer, allocatable :: found(:)
 
       n = 0
@@ -114,9 +117,10 @@ contains
          end if
          members = element_cards(row)%members
          if (element_cards(row)%group == KW_GRSPRI) members = spring_members(draft, part)
-         line = first_card(draft%deck, block)
-         do while (line <= draft%deck%block(block)%last)
-            call read_element(draft%deck, row, line, draft%deck%block(block)%last, id, node)
+         call start_walk(draft%deck, block, walk)
+         do
+            call read_element(draft%deck, row, walk, id, node, there)
+            if (.not. there) exit
             if (id == 0) cycle
             if (allocated(filter%id)) then
                i = lower_bound(filter%id, id)
