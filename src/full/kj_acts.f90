@@ -10,7 +10,8 @@ module kj_acts
    use kj_draft, only: draft_t
    use kj_box, only: box_set_t, build_boxes
    use kj_node_list, only: node_list_t, add_nodes
-   use kj_select, only: filter_t, faces_t, surface_of, line_nodes, parts_of, walk_elements, &
+   use kj_faces, only: faces_t
+   use kj_select, only: filter_t, surface_of, line_nodes, parts_of, walk_elements, &
       all_kinds, OUTERMOST
    use kj_build_group, only: fill_one_group
    use kj_element_mass, only: scales_t, element_t, first_element, next_element, NO_PROBLEM

@@ -13,7 +13,7 @@ module kj_extract
       KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, KW_TH_PART, &
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
       KW_FRAME_NOD
-   use kj_deck_text, only: deck_t, line_text, first_card, title_of, report_header, folder_of
+   use kj_deck_text, only: deck_t, line_text, title_of, report_header, folder_of
    use kj_card_text, only: real_field, integer_field
    use kj_card_lists, only: th_t, read_th
    use kj_draft, only: draft_t

@@ -12,7 +12,7 @@ module kj_full_draft
       row_of
    use kj_card_lists, only: ids_t, read_id_lines
    use kj_element_cards, only: element_row
-   use kj_draft, only: draft_t
+   use kj_draft, only: draft_t, blocks_with
    use kj_build_scene, only: build_nodes, build_masses, build_curves, build_sensors, &
       check_analysis, build_parts
    use kj_transform, only: move_nodes
@@ -20,7 +20,8 @@ module kj_full_draft
    use kj_build_group, only: build_groups
    use kj_build_body, only: build_bodies
    use kj_box, only: box_set_t, build_boxes
-   use kj_select, only: faces_t, surface_of, parts_of, OUTERMOST
+   use kj_faces, only: faces_t
+   use kj_select, only: surface_of, parts_of, OUTERMOST
    use kj_element_mass, only: scales_t, new_scales, weigh_elements, weigh_block
    use kj_model, only: model_t
    implicit none
@@ -148,15 +149,15 @@ contains
 
       type(ids_t) :: list
       character(len=10) :: word
-      integer :: block, k
+      integer, allocatable :: blocks(:)
+      integer :: i, k
 
       if (any(around == id)) return
-      do block = 1, draft%deck%n_block
-         if (draft%deck%block(block)%keyword /= KW_GRPART .or. draft%deck%block(block)%id /= id) &
-            cycle
-         word = kind_word(draft%deck, block)
-         call read_id_lines(draft%deck, first_card(draft%deck, block), &
-            draft%deck%block(block)%last, 10, 1, list)
+      call blocks_with(draft, KW_GRPART, id, blocks)
+      do i = 1, size(blocks)
+         word = kind_word(draft%deck, blocks(i))
+         call read_id_lines(draft%deck, first_card(draft%deck, blocks(i)), &
+            draft%deck%block(blocks(i))%last, 10, 1, list)
          do k = 1, list%n
             if (word == 'GRPART') then
                call parts_of_group(draft, list%value(k), [around, id], part)

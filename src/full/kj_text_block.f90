@@ -1,6 +1,6 @@
 !> A deck that is being written: lines, each with the line of another deck it is a copy of, if any.
 module kj_text_block
-   use kj_deck_text, only: deck_t, source_t, line_text, lengthen, put_text
+   use kj_deck_text, only: deck_t, line_text, lengthen, put_text
    implicit none
    private
 

@@ -16,11 +16,12 @@ module kj_build_group
    use kj_deck_flat, only: ids_on_card, id_columns_t
    use kj_reference, only: OF_GROUP
    use kj_element_cards, only: element_cards
-   use kj_draft, only: draft_t, blocks_of, report_double_blocks, known_ids
+   use kj_draft, only: draft_t, blocks_of, blocks_with, report_double_blocks, known_ids
    use kj_box, only: box_set_t, build_boxes, is_inside
    use kj_node_list, only: node_list_t, add_node, add_nodes, add_range, remove_nodes, keep_nodes, &
       finish_list
-   use kj_select, only: filter_t, faces_t, parts_of, element_ids_of, walk_elements, surface_of, &
+   use kj_faces, only: faces_t
+   use kj_select, only: filter_t, parts_of, element_ids_of, walk_elements, surface_of, &
       line_nodes, submodel_nodes, all_kinds, OUTERMOST
    implicit none
    private
@@ -528,14 +529,13 @@ contains
       type(node_list_t), intent(inout) :: list
 
       type(cards_t) :: cards
-      integer :: block, other
+      integer, allocatable :: blocks(:)
+      integer :: i, other
 
-      known = .false.
-      do block = 1, draft%deck%n_block
-         if (draft%deck%block(block)%keyword /= KW_RBODY) cycle
-         if (draft%deck%block(block)%id /= ids%value(k)) cycle
-         known = .true.
-         call read_cards(draft%deck, block, cards)
+      call blocks_with(draft, KW_RBODY, ids%value(k), blocks)
+      known = size(blocks) > 0
+      do i = 1, size(blocks)
+         call read_cards(draft%deck, blocks(i), cards)
          call add_nodes([find(draft%node, int_of(cards, 'node_id'))], list)
          other = find(draft%group, int_of(cards, 'grnod_id'))
          if (other > 0) call take_group(draft, shop, group, other, ids, k, list)

@@ -11,10 +11,9 @@ module kj_build_scene
    use kj_deck_text, only: deck_t, report_header, first_card, line_text
    use kj_card_cut, only: cut_t, cut_card
    use kj_number, only: parse_integer, NUMBER_FINE, NUMBER_BLANK
-   use kj_element_cards, only: element_row
    use kj_cards, only: cards_t, rows_t, read_cards, read_rows, real_of, int_of, is_given, report, &
       report_row, row_of, card_row_t, look_at
-   use kj_draft, only: draft_t, blocks_of, group_nodes, known_ids, find_blocks, &
+   use kj_draft, only: draft_t, blocks_of, index_blocks, group_nodes, known_ids, find_blocks, &
       reference, unsupported
    implicit none
    private
@@ -45,8 +44,7 @@ contains
       call new_lookup(draft%id, draft%node)
       do i = 1, n
          if (draft%node%place(i) > rows%n) cycle      ! a node that was made
-         if (draft%node%id(i) > 0 .and. all(draft%node%id(max(1, i - 1):i - 1) /= &
-            draft%node%id(i))) cycle
+         if (all([0, draft%node%id(max(1, i - 1):i - 1)] < draft%node%id(i))) cycle
          call look_at(draft%deck, rows, draft%node%place(i), row)
          if (row%ints(1) == 0) then
             call report_row(draft%deck, row, 'id', SEV_WARNING, 'KJ-9144', &
@@ -295,9 +293,11 @@ contains
          draft%part_ids(:, i) = [int_of(cards, 'prop_id'), int_of(cards, 'mat_id'), &
             int_of(cards, 'subset_id')]
          draft%part_property(i) = find(draft%property, int_of(cards, 'prop_id'))
-         if (.not. is_left_out(draft%deck, 'property', int_of(cards, 'prop_id'))) &
-            draft%part_property(i) = reference(draft%deck, cards, 'prop_id', draft%property, &
-            'property', 'KJ-0178')
+         if (draft%part_property(i) == 0) then
+            if (.not. is_left_out(draft%deck, 'property', int_of(cards, 'prop_id'))) &
+               draft%part_property(i) = reference(draft%deck, cards, 'prop_id', draft%property, &
+               'property', 'KJ-0178')
+         end if
          if (int_of(cards, 'prop_id') == 0) call report(draft%deck, cards, 'prop_id', SEV_ERROR, &
             'KJ-0178', 'the part has no property', 'expected: id of a property')
          place = reference(draft%deck, cards, 'mat_id', material, 'material', 'KJ-0179')
@@ -314,13 +314,13 @@ contains
 
       integer :: i
 
-      do i = 1, draft%deck%n_block
-         associate (b => draft%deck%block(i))
-            if (element_row(b%keyword) == 0 .or. b%keyword == KW_SPRING .or. &
-               max(b%n_far, b%last - b%first + 1) == 0) cycle
-            if (find(draft%part, b%id) == 0 .and. draft%deck%lenient) call report_header( &
-               draft%deck, i, SEV_ERROR, 'KJ-0402', 'part '//str(b%id)// &
-               ' of these elements is not defined', 'the id is that of a part', &
+      call index_blocks(draft)
+      do i = 1, merge(size(draft%shelf), 0, draft%deck%lenient)
+         if (draft%shelf(i)%part > 0) cycle
+         associate (b => draft%deck%block(draft%shelf(i)%block))
+            if (b%keyword == KW_SPRING .or. max(b%n_far, b%last - b%first + 1) == 0) cycle
+            call report_header(draft%deck, draft%shelf(i)%block, SEV_ERROR, 'KJ-0402', 'part '// &
+               str(b%id)//' of these elements is not defined', 'the id is that of a part', &
                hint=known_ids(draft%part, 'part'))
          end associate
       end do

@@ -3,9 +3,10 @@
 module kj_draft
    use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR
-   use kj_sort, only: lookup_t, new_lookup, find
+   use kj_sort, only: lookup_t, new_lookup, find, lower_bound
    use kj_keywords, only: keywords, OUT_OF_SCOPE
    use kj_deck_text, only: deck_t, line_text, place_of, report_header
+   use kj_element_cards, only: element_row
    use kj_cards, only: cards_t, card_row_t, int_of, report
    use kj_curve, only: curve_set_t
    use kj_parameter, only: setting_t
@@ -17,8 +18,16 @@ module kj_draft
    private
 
    public :: draft_t, move_t, moved_point, sensor_t, group_t, elements_t, property_t, joint_t, &
-      blocks_of, find_blocks, reference, node_of, unsupported, group_nodes, report_double_blocks, &
-      known_ids
+      blocks_of, blocks_with, index_blocks, find_blocks, reference, node_of, unsupported, &
+      group_nodes, report_double_blocks, known_ids
+
+   !> A block of elements
+   type :: shelf_t
+      integer :: block = 0                       !! of the deck
+      integer :: row = 0                         !! of element_cards
+      integer :: part = 0                        !! place of the part, 0 = not defined
+      integer :: least = 1, most = 0             !! ids of its elements; most < least: not known yet
+   end type shelf_t
 
    !> A set of nodes
    type :: group_t
@@ -108,6 +117,9 @@ module kj_draft
       integer, allocatable :: new(:)             !! raw index -> model index
       ! others
       type(lookup_t) :: group, skew, curve, sensor, part, property, body_id
+      type(lookup_t) :: block                    !! blocks by their ids, of all keywords
+      type(shelf_t), allocatable :: shelf(:)     !! blocks of elements, in deck order
+      type(lookup_t) :: shelf_of_part            !! shelves by the places of their parts
       type(group_t), allocatable :: groups(:)
       type(skew_set_t) :: skews                  !! nodes are raw indices
       type(lookup_t) :: frame
@@ -154,6 +166,42 @@ contains
 
       list = pack([(i, i=1, deck%n_block)], deck%block(:deck%n_block)%keyword == keyword)
    end function blocks_of
+
+   !> Indices of the blocks of one keyword with one id, in deck order
+   subroutine blocks_with(draft, keyword, id, list)
+      type(draft_t), intent(inout) :: draft
+      integer, intent(in) :: keyword             !! KW_ constant
+      integer, intent(in) :: id
+      integer, allocatable, intent(out) :: list(:)
+
+      call index_blocks(draft)
+      associate (b => draft%block)
+         list = b%place(lower_bound(b%id, id):lower_bound(b%id, id + 1) - 1)
+      end associate
+      list = pack(list, draft%deck%block(list)%keyword == keyword)
+   end subroutine blocks_with
+
+   !> Make the lookups of blocks by ids and of elements by parts, once the parts are known
+   subroutine index_blocks(draft)
+      type(draft_t), intent(inout) :: draft
+
+      integer :: i, n, row
+
+      if (allocated(draft%shelf)) return
+      associate (b => draft%deck%block(:draft%deck%n_block))
+         call new_lookup(b%id, draft%block)
+         allocate (draft%shelf(size(b)))
+         n = 0
+         do i = 1, size(b)
+            row = element_row(b(i)%keyword)
+            if (row == 0) cycle
+            n = n + 1
+            draft%shelf(n) = shelf_t(i, row, find(draft%part, b(i)%id))
+         end do
+      end associate
+      draft%shelf = draft%shelf(:n)
+      call new_lookup(draft%shelf%part, draft%shelf_of_part)
+   end subroutine index_blocks
 
    !> Blocks of a family, keyword by keyword, and the lookup from their ids to their places; an id
    !> that stands twice is reported

@@ -4,20 +4,20 @@
 !> One file: element groups, surfaces and lines name each other and walk the same cards.
 module kj_select
    use kj_sort, only: find, lower_bound, sort_unique
-   use kj_keywords, only: keywords, KW_SUBSET, KW_NODE, KW_KJOINT2, KW_GRSHEL, KW_GRSH3N, &
-      KW_GRBRIC, KW_GRBEAM, KW_GRTRUS, KW_GRSPRI, KW_GRPART, KW_SURF, KW_LINE, KW_SHELL, KW_SH3N, &
-      KW_BRICK, KW_TETRA4, KW_TETRA10, KW_BRIC20, KW_PENTA6, KW_SHEL16
+   use kj_keywords, only: keywords, KW_SUBSET, KW_KJOINT2, KW_GRSHEL, KW_GRSH3N, KW_GRBRIC, &
+      KW_GRSPRI, KW_SURF, KW_LINE
    use kj_deck_text, only: line_text, first_card, lengthen, kind_word
    use kj_card_lists, only: ids_t, read_ids, read_id_lines
    use kj_card_walk, only: card_walk_t, start_walk
-   use kj_element_cards, only: element_cards, element_row, read_element, MOST_NODES
-   use kj_draft, only: draft_t
+   use kj_element_cards, only: element_cards, read_element, MOST_NODES
+   use kj_draft, only: draft_t, blocks_with, index_blocks
    use kj_box, only: box_set_t, is_inside
+   use kj_faces, only: faces_t, add_faces, add_face, find_single, keep_border
    use kj_node_list, only: node_list_t, add_node, add_nodes
    implicit none
    private
 
-   public :: filter_t, faces_t, parts_of, element_ids_of, walk_elements, surface_of, line_nodes, &
+   public :: filter_t, parts_of, element_ids_of, walk_elements, surface_of, line_nodes, &
       submodel_nodes, all_kinds
 
    !> Groups or surfaces around one that is in none
@@ -31,20 +31,6 @@ module kj_select
       integer :: box = 0                         !! inside this box, 0 = anywhere
       logical :: whole = .true.                  !! in the box with all nodes, else with one
    end type filter_t
-
-   !> Faces of elements and segments
-   type :: faces_t
-      integer :: n = 0
-      integer, allocatable :: node(:, :)         !! (4, >= n) raw indices; of a triangle 3 twice
-   end type faces_t
-
-   !> Corners of the faces of solids, counted as on their cards; a triangle repeats its last
-   integer, parameter :: OF_BRICK(4, 6) = reshape([1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 6, 5, 2, 3, 7, 6, &
-      3, 4, 8, 7, 4, 1, 5, 8], [4, 6])
-   integer, parameter :: OF_TETRA(4, 4) = reshape([1, 2, 3, 3, 1, 2, 4, 4, 2, 3, 4, 4, &
-      3, 1, 4, 4], [4, 4])
-   integer, parameter :: OF_WEDGE(4, 5) = reshape([1, 2, 3, 3, 4, 5, 6, 6, 1, 2, 5, 4, 2, 3, 6, 5, &
-      3, 1, 4, 6], [4, 5])
 
 contains
 
@@ -64,7 +50,7 @@ contains
       integer, intent(in), optional :: around(:) !! subsets that this one is in: a circle ends
 
       type(ids_t) :: children
-      integer, allocatable :: path(:)
+      integer, allocatable :: path(:), blocks(:)
       integer :: i, k
 
       select case (word)
@@ -79,9 +65,9 @@ contains
          path = [id]
          if (present(around)) path = [around, id]
          part = part .or. draft%part_ids(3, :) == id
-         do i = 1, draft%deck%n_block
-            if (draft%deck%block(i)%keyword /= KW_SUBSET .or. draft%deck%block(i)%id /= id) cycle
-            call read_ids(draft%deck, i, children)
+         call blocks_with(draft, KW_SUBSET, id, blocks)
+         do i = 1, size(blocks)
+            call read_ids(draft%deck, blocks(i), children)
             do k = 1, children%n
                if (all(path /= children%value(k))) call parts_of(draft, word, &
                   children%value(k), part, path)
@@ -100,28 +86,26 @@ contains
       type(faces_t), intent(inout), optional :: faces
 
       type(card_walk_t) :: walk
-      integer :: block, row, id, node(MOST_NODES), raw(MOST_NODES), members, n, part, i
+      integer :: id, node(MOST_NODES), raw(MOST_NODES), members, n, i, s, least, most
       logical :: there
-      integer, allocatable :: found(:)
+      integer, allocatable :: found(:), shelves(:)
 
       n = 0
       allocate (found(16))
-      do block = 1, draft%deck%n_block
-         row = element_row(draft%deck%block(block)%keyword)
-         if (row == 0) cycle
-         if (.not. filter%kind(row)) cycle
-         part = find(draft%part, draft%deck%block(block)%id)
-         if (allocated(filter%part)) then
-            if (part == 0) cycle
-            if (.not. filter%part(part)) cycle
-         end if
-         members = element_cards(row)%members
-         if (element_cards(row)%group == KW_GRSPRI) members = spring_members(draft, part)
-         call start_walk(draft%deck, block, walk)
+      call find_shelves(draft, filter, shelves)
+      do s = 1, size(shelves)
+         members = element_cards(draft%shelf(shelves(s))%row)%members
+         if (element_cards(draft%shelf(shelves(s))%row)%group == KW_GRSPRI) &
+            members = spring_members(draft, draft%shelf(shelves(s))%part)
+         call start_walk(draft%deck, draft%shelf(shelves(s))%block, walk)
+         least = huge(least)
+         most = 0
          do
-            call read_element(draft%deck, row, walk, id, node, there)
+            call read_element(draft%deck, draft%shelf(shelves(s))%row, walk, id, node, there)
             if (.not. there) exit
             if (id == 0) cycle
+            least = min(least, id)
+            most = max(most, id)
             if (allocated(filter%id)) then
                i = lower_bound(filter%id, id)
                if (i > size(filter%id)) cycle
@@ -135,14 +119,52 @@ contains
                if (.not. in_box(draft, boxes, filter, raw(:members))) cycle
             end if
             if (present(list)) call add_nodes(raw(:members), list)
-            if (present(faces)) call add_faces(draft%deck%block(block)%keyword, raw, faces)
+            if (present(faces)) call add_faces(draft%deck%block(walk%block)%keyword, raw, faces)
             if (n == size(found)) call lengthen(found)
             n = n + 1
             found(n) = id
          end do
+         draft%shelf(shelves(s))%least = least
+         draft%shelf(shelves(s))%most = most
       end do
       if (present(ids)) ids = [ids, found(:n)]
    end subroutine walk_elements
+
+   !> Blocks that may hold elements which a filter lets pass, in deck order
+   subroutine find_shelves(draft, filter, shelves)
+      type(draft_t), intent(inout) :: draft
+      type(filter_t), intent(in) :: filter
+      integer, allocatable, intent(out) :: shelves(:)
+
+      integer, allocatable :: parts(:)
+      logical, allocatable :: may(:)
+      integer :: i
+
+      call index_blocks(draft)
+      if (allocated(filter%part)) then
+         parts = pack([(i, i=1, size(filter%part))], filter%part)
+         allocate (shelves(0))
+         do i = 1, size(parts)
+            associate (l => draft%shelf_of_part)
+               shelves = [shelves, l%place(lower_bound(l%id, parts(i)): &
+                  lower_bound(l%id, parts(i) + 1) - 1)]
+            end associate
+         end do
+         shelves = sort_unique(shelves)
+      else
+         shelves = [(i, i=1, size(draft%shelf))]
+      end if
+      may = filter%kind(draft%shelf(shelves)%row)
+      if (allocated(filter%id)) then
+         do i = 1, size(shelves)
+            associate (s => draft%shelf(shelves(i)))
+               if (may(i) .and. s%most >= s%least) may(i) = lower_bound(filter%id, s%least) < &
+                  lower_bound(filter%id, s%most + 1)
+            end associate
+         end do
+      end if
+      shelves = pack(shelves, may)
+   end subroutine find_shelves
 
    !> All nodes of an element, or one, are in the box of a filter
    pure logical function in_box(draft, boxes, filter, raw) result(inside)
@@ -165,19 +187,21 @@ contains
 
    !> Nodes that belong to the springs of a part: two, of a pulley three, of a KJOINT2 four
    integer function spring_members(draft, part) result(members)
-      type(draft_t), intent(in) :: draft
+      type(draft_t), intent(in) :: draft         !! with its lookups
       integer, intent(in) :: part
 
       integer :: i
 
       members = 2
       if (part == 0) return
-      do i = 1, draft%deck%n_block
-         associate (b => draft%deck%block(i))
-            if (b%row == 0 .or. b%id /= draft%part_ids(1, part)) cycle
+      do i = lower_bound(draft%block%id, draft%part_ids(1, part)), size(draft%block%id)
+         if (draft%block%id(i) /= draft%part_ids(1, part)) exit
+         associate (b => draft%deck%block(draft%block%place(i)))
+            if (b%row == 0) cycle
             if (index(keywords(b%row)%name, '/PROP') /= 1) cycle
             if (b%keyword == KW_KJOINT2) members = 4
-            if (any(kind_word(draft%deck, i) == ['TYPE12    ', 'SPR_PUL   '])) members = 3
+            if (any(kind_word(draft%deck, draft%block%place(i)) == ['TYPE12    ', 'SPR_PUL   '])) &
+               members = 3
          end associate
       end do
    end function spring_members
@@ -191,19 +215,18 @@ contains
       integer, intent(in) :: around(:)           !! groups that it is in: a circle ends
       integer, allocatable, intent(out) :: ids(:)
 
-      integer, allocatable :: some(:)
+      integer, allocatable :: some(:), blocks(:)
       type(ids_t) :: list
       character(len=10) :: word
-      integer :: block, k, sign
+      integer :: i, k, sign
 
       allocate (ids(0))
       if (any(around == group)) return
-      do block = 1, draft%deck%n_block
-         if (draft%deck%block(block)%keyword /= keyword) cycle
-         if (draft%deck%block(block)%id /= group) cycle
-         word = kind_word(draft%deck, block)
-         call read_id_lines(draft%deck, first_card(draft%deck, block), &
-            draft%deck%block(block)%last, 10, 1, list)
+      call blocks_with(draft, keyword, group, blocks)
+      do i = 1, size(blocks)
+         word = kind_word(draft%deck, blocks(i))
+         call read_id_lines(draft%deck, first_card(draft%deck, blocks(i)), &
+            draft%deck%block(blocks(i))%last, 10, 1, list)
          if (word == 'GENE') then
             call take_ranges(draft, boxes, keyword, list, ids)
             cycle
@@ -284,62 +307,6 @@ contains
       end do
    end function is_among
 
-   !> Faces of an element: of a shell itself, of a solid all around
-   pure subroutine add_faces(keyword, raw, faces)
-      integer, intent(in) :: keyword             !! KW_ constant of the element
-      integer, intent(in) :: raw(:)              !! its nodes
-      type(faces_t), intent(inout) :: faces
-
-      integer :: i, corners(8)
-
-      corners = raw(:8)
-      select case (keyword)
-      case (KW_SHELL)
-         call add_face([raw(:3), merge(raw(4), raw(3), raw(4) > 0)], faces)
-      case (KW_SH3N)
-         call add_face([raw(:3), raw(3)], faces)
-      case (KW_TETRA4, KW_TETRA10)
-         do i = 1, 4
-            call add_face(corners(OF_TETRA(:, i)), faces)
-         end do
-      case (KW_PENTA6)
-         do i = 1, 5
-            call add_face(corners(OF_WEDGE(:, i)), faces)
-         end do
-      case (KW_BRICK, KW_BRIC20, KW_SHEL16)
-         if (all(corners(5:) == 0)) then
-            do i = 1, 4
-               call add_face(corners(OF_TETRA(:, i)), faces)
-            end do
-         else if (all(corners(7:) == 0)) then
-            do i = 1, 5
-               call add_face(corners(OF_WEDGE(:, i)), faces)
-            end do
-         else
-            do i = 1, 6
-               call add_face(corners(OF_BRICK(:, i)), faces)
-            end do
-         end if
-      end select
-   end subroutine add_faces
-
-   pure subroutine add_face(node, faces)
-      integer, intent(in) :: node(4)
-      type(faces_t), intent(inout) :: faces
-
-      integer, allocatable :: longer(:, :)
-
-      if (any(node == 0)) return
-      if (.not. allocated(faces%node)) allocate (faces%node(4, 64))
-      if (faces%n == size(faces%node, 2)) then
-         allocate (longer(4, 2*faces%n))
-         longer(:, :faces%n) = faces%node
-         call move_alloc(longer, faces%node)
-      end if
-      faces%n = faces%n + 1
-      faces%node(:, faces%n) = node
-   end subroutine add_face
-
    !> The faces of a surface. Those of solids are the outer ones, unless the surface says ALL
    recursive subroutine surface_of(draft, boxes, id, around, faces)
       type(draft_t), intent(inout) :: draft
@@ -350,11 +317,13 @@ contains
       type(filter_t) :: filter
       type(ids_t) :: list
       character(len=10) :: word
-      integer :: block, k, first
+      integer, allocatable :: blocks(:)
+      integer :: i, block, k, first
 
       if (any(around == id)) return
-      do block = 1, draft%deck%n_block
-         if (draft%deck%block(block)%keyword /= KW_SURF .or. draft%deck%block(block)%id /= id) cycle
+      call blocks_with(draft, KW_SURF, id, blocks)
+      do i = 1, size(blocks)
+         block = blocks(i)
          word = kind_word(draft%deck, block)
          first = first_card(draft%deck, block)
          if (word == 'SEG') then
@@ -437,44 +406,6 @@ contains
       end do
    end subroutine take_surface
 
-   !> Faces whose nodes no other face has; faces with one least node stand together
-   subroutine find_single(faces, once)
-      type(faces_t), intent(in) :: faces
-      logical, allocatable, intent(out) :: once(:)
-
-      integer, allocatable :: least(:), next(:), last(:)
-      integer :: i, k
-
-      allocate (once(faces%n), source=.true.)
-      allocate (least(faces%n), next(faces%n))
-      least = minval(faces%node(:, :faces%n), 1)
-      allocate (last(maxval(least)), source=0)
-      do i = 1, faces%n
-         next(i) = last(least(i))
-         last(least(i)) = i
-         k = next(i)
-         do while (k > 0)
-            if (is_same(faces%node(:, i), faces%node(:, k))) then
-               once(i) = .false.
-               once(k) = .false.
-            end if
-            k = next(k)
-         end do
-      end do
-   end subroutine find_single
-
-   !> Two faces have the same nodes
-   pure logical function is_same(a, b)
-      integer, intent(in) :: a(4), b(4)
-
-      integer :: i
-
-      is_same = .true.
-      do i = 1, 4
-         is_same = is_same .and. any(b == a(i)) .and. any(a == b(i))
-      end do
-   end function is_same
-
    !> Segments: their id, then n nodes
    subroutine take_segments(draft, first, last, n, faces)
       type(draft_t), intent(inout) :: draft
@@ -509,10 +440,12 @@ contains
       type(faces_t) :: faces
       type(ids_t) :: ids
       character(len=10) :: word
-      integer :: block, k, first
+      integer, allocatable :: blocks(:)
+      integer :: i, block, k, first
 
-      do block = 1, draft%deck%n_block
-         if (draft%deck%block(block)%keyword /= KW_LINE .or. draft%deck%block(block)%id /= id) cycle
+      call blocks_with(draft, KW_LINE, id, blocks)
+      do i = 1, size(blocks)
+         block = blocks(i)
          word = kind_word(draft%deck, block)
          first = first_card(draft%deck, block)
          if (word == 'SEG') then
@@ -529,30 +462,6 @@ contains
          call add_nodes(faces%node(:, k), list)
       end do
    end subroutine line_nodes
-
-   !> Edges that one face alone has, as faces of two nodes
-   subroutine keep_border(faces)
-      type(faces_t), intent(inout) :: faces
-
-      type(faces_t) :: edges, border
-      logical, allocatable :: once(:)
-      integer :: i, k, a, b
-
-      do i = 1, faces%n
-         do k = 1, 4
-            a = faces%node(k, i)
-            b = faces%node(modulo(k, 4) + 1, i)
-            if (a /= b) call add_face([a, b, b, b], edges)
-         end do
-      end do
-      if (edges%n > 0) then
-         call find_single(edges, once)
-         do i = 1, edges%n
-            if (once(i)) call add_face(edges%node(:, i), border)
-         end do
-      end if
-      faces = border
-   end subroutine keep_border
 
    !> Nodes that a submodel defines, those in it included
    subroutine submodel_nodes(draft, id, list)

@@ -249,6 +249,66 @@ def references(c):
            "KJ-9429")
 
 
+def cards_in_the_file(c):
+    """Cards of nodes and elements are read from the file when somebody asks: however they are typed."""
+    shell = ints(1, 1, 2, 3, 4) + "\n"
+    for name, card in (("commas", "1,1,2,3,4\n"), ("a comment before", "# of the shell\n$\n" + shell), ("return and feed", shell[:-1] + "\r\n"),
+                       ("behind a blank", "\n" + shell)):
+        c.body(name, deck().replace(shell, card), 6, (1, 1, 0))
+    c.body("all lines end with return and feed", deck().replace("\n", "\r\n"), 6, (1, 1, 0))
+    # one card names a parameter: all cards of its block are lines then
+    c.body("a parameter in the second of two shells", deck("/PARAMETER/GLOBAL/INTEGER/1\np\nk         " + ints(4) + "\n/PARAMETER/GLOBAL"
+           "/REAL/2\np\nd         " + real(1.0) + "\n").replace(shell, shell + ints(2, 1, 2, 3) + f"{'&k':>10}" + 30*" " + f"{'&d':>20}\n"),
+           18, (1, 1, 0))                                                     # thickness 1: 12 more
+    c.body("a parameter among the nodes", deck("/PARAMETER/GLOBAL/REAL/1\np\nw         " + real(2.0) + "\n").replace(
+        node(3, 2, 2, 0), ints(3) + f"{'&w':>20}{'&w':>20}" + real(0) + "\n"), 6, (1, 1, 0))
+    # offsets 1000 of a submodel: the part, its nodes, elements and groups are 1001 ...
+    inside = deck().split("/NODE")[1]
+    c.body("in a submodel", deck().replace("/NODE" + inside, "//SUBMODEL/1\ns\n" + ints(1000) + "\n/NODE" + inside.replace(
+        "/END\n", "//ENDSUB\n/END\n")), 6, (1, 1, 0))
+    head = deck().split(node(2, 2, 0, 0))[0].count("\n")
+    c.says("a node twice, behind a comment", deck().replace(node(2, 2, 0, 0), "#\n" + node(1, 2, 0, 0)), "error", "KJ-0056", head + 2)
+    c.says("a node that is not defined", deck().replace(shell, "#\n" + shell + ints(2, 1, 2, 3, 9) + "\n"), "error", "KJ-0078",
+           deck().split(shell)[0].count("\n") + 3)
+    c.says("an id that is none", deck().replace(shell, shell + ints(2, 1, 2, 3) + "       x4\n"), "error", "KJ-9002",
+           deck().split(shell)[0].count("\n") + 2)
+    for tail in ("", "\n\n"):
+        c.body("the file ends with an element", deck().replace("/END\n", "").replace("/SHELL/1\n" + shell, "") + "/SHELL/1\n"
+               + shell.rstrip() + tail, 6, (1, 1, 0))
+
+
+def large(c):
+    """A plate of shells and bricks, 150 bodies over parts of it: masses in closed form, memory below half of the file."""
+    n, m, h = 150, 200, 0.5                                                   # bodies, elements of each along x
+    text = ["/BEGIN\nlarge\n      2022         0\n" + 2*UNITS + "/MAT/LAW1/1\nm\n" + real(2.0) + "\n" + real(1, 0.3)
+            + "\n/PROP/SHELL/1\ns\n" + ints(24) + "\n\n" + ints(3, 0) + real(0.5) + "\n/PROP/SOLID/2\nb\n" + ints(14) + "\n\n\n"]
+    for b in range(n):
+        first = 10000*b
+        text.append("/NODE\n" + "".join(node(first + 4*i + k + 1, h*i, h*(k % 2), 3.0*b + h*(k//2)) for i in range(m + 1) for k in range(4)))
+        text.append(node(first + 9999, 0, 0, 3.0*b) + f"/PART/{2*b + 1}\ns\n" + ints(1, 1) + f"\n/PART/{2*b + 2}\nb\n" + ints(2, 1) + "\n")
+        at = [first + 4*i + 1 for i in range(m)]
+        text.append(f"/SHELL/{2*b + 1}\n" + "".join(ints(first + i, a, a + 4, a + 5, a + 1) + "\n" for i, a in enumerate(at, 1)))
+        text.append("".join(f"/BRICK/{2*b + 2}\n" + "".join(
+            ints(first + 1000*r + i, a, a + 4, a + 5, a + 1, a + 2, a + 6, a + 7, a + 3) + "\n" for i, a in enumerate(at, 1)) for r in range(1, 10)))
+        group = (f"/GRNOD/PART/{b + 1}\ng\n" + ints(2*b + 1, 2*b + 2) + "\n", f"/GRSHEL/PART/{b + 1}\ng\n" + ints(2*b + 1) + f"\n/GRBRIC/PART/"
+                 f"{b + 1}\ng\n" + ints(2*b + 2) + f"\n/GRNOD/GRBRIC/{b + 1}\ng\n" + ints(b + 1) + "\n",
+                 f"/SET/GENERAL/{b + 1}\ng\nPART      " + ints(2*b + 2) + "\n")[b % 3]
+        text.append(group + f"/RBODY/{b + 1}\nbody\n" + ints(first + 9999, 0, 0, 0) + real(0) + ints(b + 1, 0, 1, 0) + "\n\n\n")
+    said = c.extract("".join(text) + "/END\n")
+    # of each body m shells of h^2 and 9 m bricks of h^3, the shells at the bottom
+    shells, bricks = 2.0*0.5*m*h**2, 9*2.0*m*h**3
+    x, z = 0.5*m*h, bricks*0.5*h/(shells + bricks)
+    wrong = [b for b in said["bodies"] if abs(b["mass"] - shells - bricks) > 1e-11*b["mass"]
+             or max(abs(p - q) for p, q in zip(b["centre"], (x, 0.5*h, 3.0*(b["id"] - 1) + z))) > 1e-9]
+    c.check("bodies of a large deck", len(said["bodies"]) == n and not wrong, wrong[:1])
+    # of a process of its own, as that of the tests is large
+    most = subprocess.run([sys.executable, "-c", "import resource, subprocess, sys\nsubprocess.run(sys.argv[1:], stdout=-3)\n"
+                           "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)", c.kjoint, "extract", c.work/"full_0000.rad",
+                           "-o", c.work/"mech_0000.rad"], capture_output=True, text=True, check=True).stdout
+    size = (c.work/"full_0000.rad").stat().st_size
+    c.check("memory for a large deck", 1024*int(most) < 0.5*size + 2**23, [most, size])   # beside 8 MiB of the program
+
+
 def circles(c):
     """Selections that name each other, twice each: they end, and the body has no node."""
     for kind, one in (("GRNOD/SUBSET", "SUBSET"), ("GRNOD/SURF", "SURF/SURF"), ("GRNOD/GRSHEL", "GRSHEL/GRSHEL"),
@@ -266,7 +326,7 @@ def circles(c):
 def main(kjoint):
     with tempfile.TemporaryDirectory() as work:
         c = Checks(pathlib.Path(kjoint).resolve(), work)
-        for part in (masses, moves, parameters, structure, acts, references, circles):
+        for part in (masses, moves, parameters, structure, acts, references, circles, cards_in_the_file, large):
             part(c)
     print(f"{c.n - c.wrong} of {c.n} right")
     return c.wrong > 0
