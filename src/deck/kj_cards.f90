@@ -405,7 +405,7 @@ contains
 
       type(row_layout_t) :: layout
       type(card_walk_t) :: walk
-      integer :: b, i, line, source, shift
+      integer :: b, i, source, shift
       logical :: clean, there
 
       layout%n_int = MOST_ON_CARD
@@ -433,13 +433,12 @@ contains
             rows%line(i) = walk%number
             call next_card(deck, walk, 1, there)
             if (.not. there) exit                ! the file changed
-            line = walk%line
-            if (deck%block(blocks(b))%n_far == 0) rows%line(i) = line
-            source = deck%line_source(line)
+            if (deck%block(blocks(b))%n_far == 0) rows%line(i) = walk%line
+            source = deck%line_source(walk%line)
             call read_clean_row( &
-               deck%source(source)%text(deck%line_first(line):deck%line_last(line)), layout, &
-               rows%n, i, rows%ints, rows%reals, clean)
-            if (.not. clean) call read_odd_row(deck, layout, line, i, rows)
+               deck%source(source)%text(deck%line_first(walk%line):deck%line_last(walk%line)), &
+               layout, rows%n, i, rows%ints, rows%reals, clean)
+            if (.not. clean) call read_odd_row(deck, layout, walk%line, i, rows)
          end do
          if (deck%block(blocks(b))%n_far == 0) cycle
          shift = id_shift(deck, deck%block(blocks(b))%submodel, OF_NODE)
