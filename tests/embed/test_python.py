@@ -257,6 +257,24 @@ class Models(unittest.TestCase):
             with h5py.File(path) as file:
                 np.testing.assert_array_equal(file["joint/force"][:], model["joint/force"])
 
+    def test_a_motion_ends_before_its_sensor_does(self):
+        # driven by v = t from 0 to 0.3 by the card, by a sensor that never ends: then it coasts at 0.3
+        m = kjoint.Mechanism()
+        mass = m.body(2.0, (1, 1, 1), at=(0, 0, 0), name="mass")
+        m.joint("translational", m.ground(), mass, at=(0, 0, 0))
+        m.drive("mass", along=(1, 0, 0), velocity=[(0, 0), (1, 1)], stop=0.3)
+        lines = m.deck().splitlines()
+        card = next(i for i, line in enumerate(lines) if line.startswith("/IMPVEL")) + 2
+        lines[card] = lines[card][:30] + f"{77:10d}" + lines[card][40:]
+        lines[card + 2:card + 2] = ["/SENSOR/TIME/77", "on", f"{0.0:20}"]
+        with tempfile.TemporaryDirectory() as folder:
+            deck = pathlib.Path(folder, "late_0000.rad")
+            deck.write_text("\n".join(lines) + "\n")
+            run = kjoint.Model(deck, until=0.5, sample=0.1).run()
+        velocity = run["rigid_body/velocity[mass].x"]
+        self.assertAlmostEqual(0.2, velocity[2], 2)
+        np.testing.assert_allclose(velocity[4:], 0.3, atol=5e-3)
+
     def test_a_run_is_watched_and_stopped(self):
         seen = []
         model = kjoint.Model(REV01, until=100.0, sample=1.0)
