@@ -107,23 +107,23 @@ contains
       type(pattern_t), intent(out) :: pattern
       type(error_t), allocatable, intent(out) :: error
 
-      integer :: open, close, dot
+      integer :: left, right, dot
 
-      open = index(name, '[')
-      close = index(name, ']', back=.true.)
+      left = index(name, '[')
+      right = index(name, ']', back=.true.)
       dot = index(name, '.', back=.true.)
-      if (open > 0 .and. close < open) then
+      if (left > 0 .and. right < left) then
          call fail(error, ERR_INPUT, 'a bracket of "'//name//'" is not closed')
          return
       end if
-      if (dot > close) then
+      if (dot > right) then
          pattern%comp = name(dot + 1:)
       else
          dot = len(name) + 1
       end if
-      if (open > 0) then
-         pattern%path = name(:open - 1)
-         pattern%entity = name(open + 1:close - 1)
+      if (left > 0) then
+         pattern%path = name(:left - 1)
+         pattern%entity = name(left + 1:right - 1)
       else
          pattern%path = name(:dot - 1)
       end if

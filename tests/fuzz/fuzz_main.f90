@@ -2,8 +2,9 @@
 !>
 !> usage: fuzz COUNT SEED DECK_0000.rad ...
 !>
-!> Of a deck in a folder full the mechanism is taken out. The deck under way is fuzz_0000.rad with fuzz_0001.rad in the current folder: after a crash they
-!> are the proof. The same count, seed and decks change the same things.
+!> Of a deck in a folder full the mechanism is taken out. The deck under way is fuzz_0000.rad with
+!> fuzz_0001.rad in the current folder: after a crash they are the proof. The same count, seed and
+!> decks change the same things.
 program fuzz_main
    use, intrinsic :: iso_fortran_env, only: output_unit
    use kj_kinds, only: wp
