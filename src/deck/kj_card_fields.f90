@@ -245,7 +245,7 @@ module kj_card_fields
    field_t(KW_RBODY,   EACH, 1,  ONCE, 41,  60, 'Mass',      'r', D_MASS,      0, 'mass added at the main node'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE, 61,  70, 'grnod_id',  'i', D_NUMBER,    0, 'group of the secondary nodes'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE, 71,  80, 'Ikrem',     'i', D_NUMBER,    0, '1: nodes stay in rigid walls'), &
-   field_t(KW_RBODY,   EACH, 1,  ONCE, 81,  90, 'ICoG',      'i', D_NUMBER,    0, 'centre of: 1 all nodes, 2 secondary, 3, 4 main'), &
+   field_t(KW_RBODY,   EACH, 1,  ONCE, 81, 90, 'ICoG',      'i', D_NUMBER,    0, 'centre: 1 of all nodes, 2 secondary, 3-4 main'), &
    field_t(KW_RBODY,   EACH, 1,  ONCE, 91, 100, 'surf_id',   'i', D_NUMBER,    0, 'enveloping surface'), &
    field_t(KW_RBODY,   EACH, 2,  ONCE,  1,  20, 'Jxx',       'r', D_INERTIA,   0, 'added inertia, xx'), &
    field_t(KW_RBODY,   EACH, 2,  ONCE, 21,  40, 'Jyy',       'r', D_INERTIA,   0, 'added inertia, yy'), &
