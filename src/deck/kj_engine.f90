@@ -196,9 +196,19 @@ contains
       else
          call report_line(deck, header, severity, 'KJ-9022', line_text(deck, header)// &
             ' is not supported', 'needs: '//trim(w%meaning), &
-            'remove the keyword, or ignore it with --ignore-unsupported')
+            trim(cure(severity)))
       end if
    end function take_block
+
+   !> What to do about a keyword that is not supported
+   pure function cure(severity) result(text)
+      integer, intent(in) :: severity           !! SEV_WARNING: it is ignored
+      character(len=60) :: text
+
+      text = 'remove the keyword'
+      if (severity == SEV_ERROR) &
+         text = 'remove the keyword, or ignore it with --ignore-unsupported'
+   end function cure
 
    !> Read one of the keywords that steer the run
    subroutine take_keyword(deck, name, words, header, last, severity, engine)
@@ -317,8 +327,9 @@ contains
          case ('CST', 'CST1')
             if (.not. engine%adds_mass) call report_line(deck, header, severity, 'KJ-9067', &
                '/DT/NODA/'//trim(engine%noda)//' adds mass: only the legacy formulation does '// &
-               'that', 'would change the mass of bodies', 'run with --legacy; or leave the '// &
-               'mass as it is with --ignore-unsupported')
+               'that', 'would change the mass of bodies', 'run with --legacy'//trim( &
+               merge('; or leave the mass as it is with --ignore-unsupported', repeat(' ', 54), &
+               severity == SEV_ERROR)))
             if (.not. engine%adds_mass) engine%noda = 'NODA'
          case ('DEL')
             call report_line(deck, header, SEV_ERROR, 'KJ-E246', '/DT/NODA/DEL does not exist', &
@@ -342,7 +353,7 @@ contains
       case ('AMS')
          call report_line(deck, header, severity, 'KJ-9022', '/DT/AMS scales mass, which is '// &
             'not supported', 'would change the mass of bodies', &
-            'remove the keyword, or ignore it with --ignore-unsupported')
+            trim(cure(severity)))
       case ('SPRIN')
          call report_line(deck, header, severity, 'KJ-9022', &
             'a time step for springs is not supported', 'use /DT/NODA')

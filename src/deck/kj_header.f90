@@ -127,17 +127,19 @@ contains
          else
             call report_line(deck, line, severity, 'KJ-9022', line_text(deck, line)// &
                ' is not supported', 'needs: '//trim(k%meaning), &
-               trim(cure(k%status)))
+               trim(cure(k%status, severity)))
          end if
       end associate
    end subroutine report_status
 
    !> What to do about a keyword that is not supported
-   pure function cure(status) result(text)
+   pure function cure(status, severity) result(text)
       integer, intent(in) :: status              !! OUT_OF_SCOPE or FULL_ONLY
+      integer, intent(in) :: severity            !! SEV_WARNING: it is ignored
       character(len=110) :: text
 
-      text = 'remove the block, or ignore it with --ignore-unsupported'
+      text = 'remove the block'
+      if (severity == SEV_ERROR) text = 'remove the block, or ignore it with --ignore-unsupported'
       if (status == FULL_ONLY) text = &
          'run the mechanism of the deck alone with --mechanism, or see `kjoint help extract`'
    end function cure

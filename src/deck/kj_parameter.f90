@@ -14,6 +14,7 @@ module kj_parameter
    public :: parameters_t, setting_t, read_parameters, replace_names, report_unused
 
    integer, parameter :: LETTER_COUNT = 10       !! characters of a name
+   integer, parameter :: LONGEST_NUMBER = 20     !! columns
    integer, parameter :: MOST_LINES = 10         !! of an expression
    integer, parameter :: DEEPEST = 1000          !! expressions that name each other in a row
 
@@ -78,6 +79,7 @@ contains
             list%item(k)%text = settings(i)%value
             list%item(k)%expression = .false.
             call check_value(deck, list%item(k))
+            call shorten(list%item(k))
          end do
          if (found) cycle
          call fail(error, ERR_INPUT, 'the deck has no parameter '//settings(i)%name, 'KJ-9407')
@@ -149,6 +151,19 @@ contains
          p%kind == A_REAL), 'expected: a number within range')
    end subroutine check_value
 
+   !> A number from outside has no more columns than one in the deck
+   pure subroutine shorten(p)
+      type(parameter_t), intent(inout) :: p
+
+      real(wp) :: x
+      integer :: status
+
+      if (p%kind == A_TEXT .or. len(p%text) <= LONGEST_NUMBER) return
+      call parse_real(p%text, x, status)
+      if (status == NUMBER_FINE .and. p%kind == A_REAL) p%text = real_text(x, LONGEST_NUMBER)
+      if (status == NUMBER_FINE .and. p%kind == AN_INTEGER) p%text = str(nint(x))
+   end subroutine shorten
+
    !> The value of an expression becomes a text
    recursive subroutine work_out(list, k)
       type(parameters_t), intent(inout) :: list
@@ -176,7 +191,7 @@ contains
       if (list%item(k)%kind == AN_INTEGER) then
          list%item(k)%text = str(nint(value))
       else
-         list%item(k)%text = real_text(value, 20)
+         list%item(k)%text = real_text(value, LONGEST_NUMBER)
       end if
    end subroutine work_out
 
@@ -231,14 +246,14 @@ contains
    !> The text of a line with values in the place of names
    !>
    !> A value goes into the ten columns of the name, right-justified. A longer one goes on to the
-   !> right, or comes from the left where the name ends its ten columns; without room it is stars.
+   !> right, or comes from the left where the name ends its ten columns; without room: an error.
    subroutine replace_names(list, line, text)
       type(parameters_t), intent(inout) :: list
       integer, intent(in) :: line                !! index in deck
       character(len=:), allocatable, intent(inout) :: text
 
       character(len=:), allocatable :: name, value
-      integer :: at, last, k
+      integer :: at, last, k, room
 
       at = index(text, '&')
       do while (at > 0)
@@ -262,22 +277,28 @@ contains
                value = trim(adjustl(value))
             end if
          end if
-         call put_value(text, at, last, value)
+         name = text(at:last)
+         call put_value(text, at, last, value, room)
+         if (len(value) > room) call add_deck_finding(list%deck, line, at - room + 1, at, &
+            SEV_ERROR, 'KJ-9404', 'the value "'//value//'" of '//name// &
+            ' is longer than its field', 'room for '//str(room)//' columns', 'write fewer digits')
          k = index(text(min(len(text), at + 1):), '&')
          at = merge(k + at, 0, k > 0 .and. at < len(text))
       end do
    end subroutine replace_names
 
    !> Put a value in the place of columns at to last
-   pure subroutine put_value(text, at, last, value)
+   pure subroutine put_value(text, at, last, value, room)
       character(len=:), allocatable, intent(inout) :: text
       integer, intent(inout) :: at               !! then: last column of the value
       integer, intent(in) :: last
       character(len=*), intent(in) :: value
+      integer, intent(out) :: room               !! columns that it may have there
 
       integer :: begin, cell, before
 
-      if (index(text, ',') > 0 .or. len(value) > 20) then
+      room = len(value)
+      if (index(text, ',') > 0 .or. len(value) > LONGEST_NUMBER) then   ! numbers are no longer
          text = text(:at - 1)//value//text(last + 1:)
          at = at + len(value) - 1
          return
@@ -292,7 +313,8 @@ contains
       end if
       text(at:last) = ' '
       at = cell
-      if (cell - len(value) >= before) then
+      room = cell - before
+      if (len(value) <= room) then
          text(cell - len(value) + 1:cell) = value
       else
          text(before + 1:cell) = repeat('*', cell - before)

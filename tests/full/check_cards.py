@@ -146,6 +146,11 @@ def parameters(c):
     c.body("--set a,b", two, 3, (1, 1, 0), "--set", "t=0.25,rho=3")
     c.body("--set a --set b", two, 3, (1, 1, 0), "--set", "t=0.25", "--set", "rho=3")
     c.says("--set beyond a real", two, "error", "KJ-9404", 8, "--set", "t=1e400")
+    # 25 digits of a quarter: as long as a number may be; the card keeps its columns
+    c.body("--set longer than a field", deck(give("REAL", "t", real(9)), prop=t.format("&t" + 18*" ") + "\n"), 3, (1, 1, 0), "--set",
+           "t=0.25" + 23*"0")
+    narrow = deck(give("REAL", "i", real(9)), prop=t.format("0.5").replace(ints(24), f"{'&i':>10}" + ints(1)))
+    c.says("--set without room", narrow, "error", "KJ-9404", narrow.split("&i")[0].count("\n") + 1, "--set", "i=24.000000000")
     c.says("--set of no parameter", two, "error", "KJ-9407", None, "--set", "z=1")
     c.says("nothing reads it", deck(give("REAL", "t", real(9))), "warning", "KJ-9406", 8)
     c.says("in a circle", deck(give("REAL_EXPR", "a", "b+1") + give("REAL_EXPR", "b", "a+1"), prop=t.format("&a")), "error",
