@@ -78,7 +78,7 @@ module kj_run_option
                    '', 'of compliant, largest turn of a body in a step'), &
       run_option_t('fast',               A_FLAG,     0.0_wp,     '',     'run',             '', &
                    '', 'the integrator compliant'), &
-      run_option_t('ignore_unsupported', A_FLAG,     0.0_wp,     '',     'run check study', '', &
+      run_option_t('ignore_unsupported', A_FLAG,     0.0_wp,     '',     'run check study extract', '', &
                    '', 'warn about keywords out of scope instead of stopping'), &
       run_option_t('ignore_random',      A_FLAG,     0.0_wp,     '',     'run check study extract', '', &
                    '', 'leave coordinates as they are where /RANDOM disturbs them'), &

@@ -140,7 +140,8 @@ contains
       call find_engine_deck(starter, engine, path)
       inquire (file=path, exist=has_engine)
       if (has_engine) then
-         call read_engine(path, controls, engine_source, draft%deck%findings, kept=kept)
+         call read_engine(path, controls, engine_source, draft%deck%findings, &
+            options%ignore_unsupported, kept=kept)
          report%engine = kept
          if (allocated(report%input)) call append_text(report%input, path)
       end if

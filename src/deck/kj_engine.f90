@@ -8,7 +8,7 @@ module kj_engine
    use kj_engine_text, only: engine_line_t, load_engine, split_words, read_values, word_integer, &
       report_value
    use kj_engine_words, only: engine_word_t, engine_words, find_engine_word, ENGINE_READ, &
-      ENGINE_NOTE
+      ENGINE_NOTE, ENGINE_OUT
    use kj_keywords, only: find_keyword
    use kj_spelling, only: upper
    implicit none
@@ -67,7 +67,7 @@ contains
       if (present(adds_mass)) engine%adds_mass = adds_mass
       deck%findings = findings
       call load_engine(path, deck)
-      if (present(kept)) call leave_out(deck, kept)
+      if (present(kept)) call leave_out(deck, severity, kept)
       line = 1
       do while (line <= deck%n_line)
          header = line
@@ -89,8 +89,9 @@ contains
    end subroutine read_engine
 
    !> Leave out the keywords that steer elements and output; `kept` has the lines of the others
-   subroutine leave_out(deck, kept)
+   subroutine leave_out(deck, severity, kept)
       type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: severity           !! SEV_WARNING: so is what is not supported
       character(len=:), allocatable, intent(out) :: kept
 
       integer :: line, n
@@ -100,7 +101,7 @@ contains
       n = 0
       goes = .false.
       do line = 1, deck%n_line
-         if (is_header(deck, line)) call judge(deck, line, goes)
+         if (is_header(deck, line)) call judge(deck, line, severity, goes)
          if (goes) cycle
          n = n + 1
          deck%line_source(n) = deck%line_source(line)
@@ -113,9 +114,10 @@ contains
    end subroutine leave_out
 
    !> Whether a keyword of the engine deck of a full deck means nothing to its mechanism
-   subroutine judge(deck, line, goes)
+   subroutine judge(deck, line, severity, goes)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line                !! of the header
+      integer, intent(in) :: severity
       logical, intent(out) :: goes
 
       type(engine_line_t) :: words
@@ -141,6 +143,10 @@ contains
       case default
          goes = engine_words(row)%status == ENGINE_NOTE
       end select
+      if (goes .or. engine_words(row)%status /= ENGINE_OUT .or. severity == SEV_ERROR) return
+      goes = .true.
+      call report_line(deck, line, severity, 'KJ-9022', line_text(deck, line)// &
+         ' is left out of the mechanism', 'needs: '//trim(engine_words(row)%meaning))
    end subroutine judge
 
    !> The line is a header

@@ -210,6 +210,12 @@ def acts(c):
     c.says("coupling of some directions", deck("/RBE2/5\nr\n" + ints(200) + "   111 000         0" + ints(51) + "\n" + PARTNER), "error", "KJ-9413")
     c.says("a body that a sensor makes later", deck("/SENSOR/TIME/3\ns\n" + real(0.5) + "\n", body="/RBODY/1\nbody\n" + ints(100, 3, 0, 0)
                                                   + real(0) + ints(1) + "\n\n\n"), "error", "KJ-9116")
+    damped = ENGINE + "/DYREL\n1 1\n/KEREL\n"
+    said = c.extract(deck(), engine=damped)
+    c.check("relaxation", said["exit_code"] == 2 and [f["id"] for f in said["findings"]] == 2*["KJ-9022"], said["findings"])
+    said = c.extract(deck(), "--ignore-unsupported", engine=damped)
+    c.check("relaxation, ignored", said["exit_code"] == 0 and "REL" not in (c.work/"mech_0001.rad").read_text()
+            and all("--ignore-unsupported" not in f.get("hint", "") for f in said["findings"]), said["findings"])
 
 
 def references(c):
