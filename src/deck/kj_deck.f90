@@ -5,7 +5,7 @@ module kj_deck
    use kj_kinds, only: wp
    use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE, str
    use kj_units, only: unit_system_t, factor_of
-   use kj_keywords, only: KW_BEGIN, KW_UNIT, KW_UNIT_MASS, KW_UNIT_LENGTH, &
+   use kj_keywords, only: keywords, KW_BEGIN, KW_UNIT, KW_UNIT_MASS, KW_UNIT_LENGTH, &
       KW_UNIT_TIME, KW_KJOINT2, KW_INIVEL_AXIS
    use kj_card_fields, only: field_range
    use kj_deck_text, only: deck_t, source_t, report_file, report_header, mute_block, report_line, &
@@ -279,7 +279,7 @@ contains
       end do
    end subroutine read_local_units
 
-   !> Every unit id in a header must be defined
+   !> Every unit id in a header of cards that are read must be defined
    subroutine check_unit_ids(deck)
       type(deck_t), intent(inout) :: deck
 
@@ -288,6 +288,9 @@ contains
 
       do i = 1, deck%n_block
          if (deck%block(i)%unit_id == 0 .or. deck%block(i)%keyword == KW_UNIT) cycle
+         if (deck%block(i)%row == 0) cycle
+         if (deck%block(i)%keyword == 0 .and. all(keywords(deck%block(i)%row)%name(:5) /= &
+            ['/MAT ', '/PROP'])) cycle
          if (any(deck%unit_id(:deck%n_unit) == deck%block(i)%unit_id)) cycle
          known = trim(id_list(deck%unit_id(:deck%n_unit)))
          call report_header(deck, i, SEV_ERROR, 'KJ-0659', '/UNIT/'//str(deck%block(i)%unit_id)// &

@@ -1,6 +1,7 @@
 !> What acts on bodies in a full deck and is not in its mechanism: contacts, walls, airbags, ties.
 !> Source: docs/theory/full.md 6.
 module kj_acts
+   use kj_kinds, only: wp
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_text, only: text_t
    use kj_sort, only: find
@@ -14,9 +15,10 @@ module kj_acts
    use kj_select, only: filter_t, surface_of, line_nodes, parts_of, walk_elements, &
       all_kinds, OUTERMOST
    use kj_build_group, only: fill_one_group
-   use kj_element_mass, only: scales_t, element_t, first_element, next_element, NO_PROBLEM
+   use kj_element_mass, only: scales_t, element_t, first_element, next_element, NO_PROBLEM, &
+      NO_DENSITY
    use kj_element_cards, only: element_row
-   use kj_full_card, only: card_integer
+   use kj_full_card, only: card_real, glance_integer
    use kj_keep, only: keep_t, body_of
    implicit none
    private
@@ -211,7 +213,7 @@ contains
             if (actors(row)%names(k) == A_PART) then
                id = draft%deck%block(block)%id
             else
-               call card_integer(draft%deck, block, card, actors(row)%column(k), id)
+               call glance_integer(draft%deck, block, card, actors(row)%column(k), id)
             end if
             if (id > 0) call named_nodes(draft, boxes, actors(row)%names(k), id, list)
          end do
@@ -265,6 +267,7 @@ contains
 
       type(element_t) :: e
       integer :: block, i
+      real(wp) :: density
       logical :: touches, rigid
 
       do block = 1, draft%deck%n_block
@@ -286,8 +289,11 @@ contains
          if (rigid .and. touches) call report_header(draft%deck, block, SEV_ERROR, 'KJ-9428', &
             'the material of part '//str(draft%deck%block(block)%id)//' makes rigid bodies of '// &
             'its elements', 'these have no id and no main node', 'put its nodes into a /RBODY')
-         if (rigid) cycle
-         if (touches) call report_header(draft%deck, block, SEV_ERROR, 'KJ-9427', &
+         if (rigid .or. .not. touches) cycle
+         if (scales%problem(e%part) == NO_DENSITY .and. scales%part_material(e%part) > 0) &
+            call card_real(draft%deck, scales%material(scales%part_material(e%part))%block, 1, 1, &
+            1.0_wp, density)                     ! says what is wrong with it
+         call report_header(draft%deck, block, SEV_ERROR, 'KJ-9427', &
             'the mass of the elements of part '//str(draft%deck%block(block)%id)// &
             ' is not known', 'they belong to a body', &
             'its material or property has no density, '// &

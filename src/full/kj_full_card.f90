@@ -2,11 +2,12 @@
 module kj_full_card
    use kj_kinds, only: wp
    use kj_deck_text, only: deck_t, first_card, line_text
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE
    use kj_card_cut, only: read_real_at, read_integer_at, cut_t, cut_card
    implicit none
    private
 
-   public :: card_real, card_integer, has_card
+   public :: card_real, card_integer, glance_real, glance_integer, has_card
 
 contains
 
@@ -49,6 +50,56 @@ contains
       call find_field(line_text(deck, line), first, first + 9, a, b)
       call read_integer_at(deck, line, a, b, 'the field', 'an integer', value)
    end subroutine card_integer
+
+   !> The same, without a finding: of what may not matter; fine: it is a number or blank
+   subroutine glance_real(deck, block, card, first, factor, value, fine)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, card, first
+      real(wp), intent(in) :: factor
+      real(wp), intent(out) :: value
+      logical, intent(out) :: fine
+
+      integer :: line, a, b, status
+
+      value = 0.0_wp
+      fine = .true.
+      if (.not. has_card(deck, block, card)) return
+      line = first_card(deck, block) + card - 1
+      call find_field(line_text(deck, line), first, first + 19, a, b)
+      if (b < a) return
+      call parse_real(line_part(deck, line, a, b), value, status)
+      fine = status == NUMBER_FINE
+      value = merge(value*factor, 0.0_wp, fine)
+   end subroutine glance_real
+
+   !> Integer in ten columns of a card, without a finding; 0 where there is none
+   subroutine glance_integer(deck, block, card, first, value)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: block, card, first
+      integer, intent(out) :: value
+
+      integer :: line, a, b, status
+
+      value = 0
+      if (.not. has_card(deck, block, card)) return
+      line = first_card(deck, block) + card - 1
+      call find_field(line_text(deck, line), first, first + 9, a, b)
+      if (b < a) return
+      call parse_integer(line_part(deck, line, a, b), value, status)
+      if (status /= NUMBER_FINE) value = 0
+   end subroutine glance_integer
+
+   !> Columns of a line
+   pure function line_part(deck, line, first, last) result(text)
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line, first, last
+      character(len=last - first + 1) :: text
+
+      character(len=last) :: start
+
+      start = line_text(deck, line)
+      text = start(first:)
+   end function line_part
 
    !> Columns of the text in a field; b < a when it is blank
    pure subroutine find_field(text, first, last, a, b)
