@@ -38,6 +38,7 @@ module kj_deck_scan
       integer(int64) :: at = 0, next = 0        !! bytes before the line under way, and with it
       logical :: far = .false.                  !! the cards of the block stay in the file
       logical :: back = .false.                 !! these must become lines after all
+      logical :: engine = .false.               !! in the engine part of a deck in one file
       character(len=:), allocatable :: folder   !! of the first file: includes start there
    end type scan_t
 
@@ -185,6 +186,7 @@ contains
          first = next
       end do
       if (scan%depth > 1) scan%ended = .false.
+      if (scan%depth > 1) scan%engine = .false.
       scan%depth = scan%depth - 1
    end subroutine scan_source
 
@@ -203,6 +205,10 @@ contains
          if (deck%source(s)%text(i:i) /= ' ') exit
          i = i + 1
       end do
+      if (scan%engine) then
+         scan%engine = index(deck%source(s)%text(i:last), '/END/ENGINE') /= 1
+         return
+      end if
       if (last >= first) then
          select case (deck%source(s)%text(i:i))
          case ('#', '$')
@@ -214,8 +220,9 @@ contains
          case ('/')
             if (i == first .or. .not. scan%title_due) then
                call close_block(deck, scan)
-               scan%ended = is_engine(deck%source(s)%text(i:last))
-               if (scan%ended) return
+               scan%engine = is_engine(deck%source(s)%text(i:last))
+               scan%ended = scan%engine .and. deck%n_block > 0
+               if (scan%engine) return          ! before the starter part, or behind it
                call add_line(deck, s, number, first, last)
                call open_block(deck, i - first, scan)
                return

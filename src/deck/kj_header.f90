@@ -174,7 +174,8 @@ contains
       if (deck%full) then
          near = trim(nearest_keyword(path))
          level = SEV_NOTE
-         if (len(near) > 0 .and. row == 0) level = merge(SEV_WARNING, SEV_NOTE, &
+         if (row > 0) near = upper(path)
+         if (len(near) > 0) level = merge(SEV_WARNING, SEV_NOTE, row > 0 .or. &
             edit_distance(path, near) == 1)
          call add_deck_finding(deck, line, indent + 1, last, level, 'KJ-9020', path// &
             ' is not a keyword', 'left out, as in Radioss', merge('did you mean '//near//'?', &

@@ -12,7 +12,7 @@ module kj_element_mass
    use kj_error, only: str, SEV_ERROR
    use kj_deck_text, only: block_factors, add_deck_finding
    use kj_card_walk, only: card_walk_t, start_walk
-   use kj_card_cut, only: read_real_at
+   use kj_card_cut, only: cut_t, cut_card, read_real_at
    use kj_element_cards, only: element_row, element_cards, read_element, MOST_NODES
    use kj_draft, only: draft_t
    use kj_full_material, only: material_t, read_materials
@@ -312,21 +312,21 @@ contains
       real(wp), intent(out) :: thickness
 
       real(wp) :: factor(size(dimensions))
-      integer :: s, first, last, a, b
+      type(cut_t) :: cut
+      integer :: s, n, i
 
       thickness = 0.0_wp
       s = draft%deck%line_source(e%line)
-      first = draft%deck%line_first(e%line)
-      last = min(draft%deck%line_last(e%line), first + 99)
-      if (last < first + 80) return
-      associate (text => draft%deck%source(s)%text(first + 80:last))
-         a = verify(text, ' ')
-         b = len_trim(text)
+      n = element_cards(e%row)%ints(1)           ! integers, then an angle
+      associate (text => draft%deck%source(s)%text(draft%deck%line_first(e%line): &
+         draft%deck%line_last(e%line)))
+         if (len(text) < 81 .and. index(text, ',') == 0) return
+         call cut_card(text, n + 2, [(10*i - 9, i=1, n), 61, 81], [(10*i, i=1, n), 80, 100], cut)
       end associate
-      if (a == 0) return
+      if (cut%last(n + 2) < cut%first(n + 2)) return
       factor = block_factors(draft%deck, e%walk%block)
-      call read_real_at(draft%deck, e%line, 80 + a, 80 + b, 'Thick', 'thickness of the element', &
-         factor(D_LENGTH), thickness)
+      call read_real_at(draft%deck, e%line, cut%first(n + 2), cut%last(n + 2), 'Thick', &
+         'thickness of the element', factor(D_LENGTH), thickness)
    end subroutine card_thickness
 
    !> Half of the mass to each end; of a pulley a quarter, a half, a quarter

@@ -1,9 +1,12 @@
 !> Fields of cards that no table describes: those of materials and of properties of elements.
+!>
+!> In free format a field is an item of its line: of reals every twenty columns are one, of integers
+!> every ten, unless the caller knows better.
 module kj_full_card
    use kj_kinds, only: wp
    use kj_deck_text, only: deck_t, first_card, line_text
    use kj_number, only: parse_real, parse_integer, NUMBER_FINE
-   use kj_card_cut, only: read_real_at, read_integer_at, cut_t, cut_card
+   use kj_card_cut, only: read_real_at, read_integer_at, cut_t, cut_card, MOST_ON_CARD
    implicit none
    private
 
@@ -20,34 +23,36 @@ contains
    end function has_card
 
    !> Real in twenty columns of a card, in work units; 0 when it is blank or missing
-   subroutine card_real(deck, block, card, first, factor, value)
+   subroutine card_real(deck, block, card, first, factor, value, item)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: block, card         !! the title is not counted
       integer, intent(in) :: first               !! column
       real(wp), intent(in) :: factor             !! input to work units
       real(wp), intent(out) :: value
+      integer, intent(in), optional :: item      !! in free format; first/20 + 1
 
       integer :: line, a, b
 
       value = 0.0_wp
       if (.not. has_card(deck, block, card)) return
       line = first_card(deck, block) + card - 1
-      call find_field(line_text(deck, line), first, first + 19, a, b)
+      call find_field(line_text(deck, line), first, first + 19, a, b, item)
       call read_real_at(deck, line, a, b, 'the field', 'a real number', factor, value)
    end subroutine card_real
 
    !> Integer in ten columns of a card; 0 when it is blank or missing
-   subroutine card_integer(deck, block, card, first, value)
+   subroutine card_integer(deck, block, card, first, value, item)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: block, card, first
       integer, intent(out) :: value
+      integer, intent(in), optional :: item      !! in free format; first/10 + 1
 
       integer :: line, a, b
 
       value = 0
       if (.not. has_card(deck, block, card)) return
       line = first_card(deck, block) + card - 1
-      call find_field(line_text(deck, line), first, first + 9, a, b)
+      call find_field(line_text(deck, line), first, first + 9, a, b, item)
       call read_integer_at(deck, line, a, b, 'the field', 'an integer', value)
    end subroutine card_integer
 
@@ -102,16 +107,22 @@ contains
    end function line_part
 
    !> Columns of the text in a field; b < a when it is blank
-   pure subroutine find_field(text, first, last, a, b)
+   pure subroutine find_field(text, first, last, a, b, item)
       character(len=*), intent(in) :: text
       integer, intent(in) :: first, last
       integer, intent(out) :: a, b
+      integer, intent(in), optional :: item      !! in free format
 
       type(cut_t) :: cut
+      integer :: n, i
 
-      call cut_card(text, 1, [first], [last], cut)
-      a = cut%first(1)
-      b = cut%last(1)
+      n = 1
+      if (index(text, ',') > 0) n = min(MOST_ON_CARD, first/(last - first + 1) + 1)
+      if (present(item) .and. n > 1) n = item
+      if (n == 1) call cut_card(text, 1, [first], [last], cut)
+      if (n > 1) call cut_card(text, n, [(10*i - 9, i=1, n)], [(10*i, i=1, n)], cut)
+      a = cut%first(n)
+      b = cut%last(n)
    end subroutine find_field
 
 end module kj_full_card

@@ -178,7 +178,7 @@ contains
       call card_integer(draft%deck, block, 1, 1, ishell)
       if (ishell == 0) ishell = defaults%ishell
       s%fine = ishell >= 11
-      call card_real(draft%deck, block, 3, 21, length, s%thickness)
+      call card_real(draft%deck, block, 3, 21, length, s%thickness, 3)
    end subroutine read_shell
 
    !> Layers of a sandwich or a fabric: stacked in their order, or where their Z says (Ipos 1)
@@ -193,7 +193,7 @@ contains
       integer :: n, i, ipos, first, id
 
       call card_integer(draft%deck, block, 3, 1, n)
-      call card_integer(draft%deck, block, 4, 81, ipos)
+      call card_integer(draft%deck, block, 4, 81, ipos, 6)
       first = merge(41, 21, fabric)
       allocate (s%layer(max(0, min(n, 1000))))
       below = -0.5_wp*s%thickness
@@ -201,7 +201,7 @@ contains
          associate (l => s%layer(i))
             call card_real(draft%deck, block, 4 + i, first, length, l%thickness)
             call card_real(draft%deck, block, 4 + i, first + 20, length, l%z)
-            call card_integer(draft%deck, block, 4 + i, first + 40, id)
+            call card_integer(draft%deck, block, 4 + i, first + 40, id, merge(5, 4, fabric))
             l%material = id
             if (id > 0) l%material = id + id_shift(draft%deck, draft%deck%block(block)%submodel, &
                OF_MATERIAL)
@@ -257,9 +257,9 @@ contains
          ileng = 0
       case ('SPR_BEAM', 'TYPE13', 'SPR_AXI', 'TYPE25')
          s%mass = max(s%mass, LEAST)
-         call card_integer(draft%deck, block, 1, 81, ileng)
+         call card_integer(draft%deck, block, 1, 81, ileng, 7)
       case default
-         call card_integer(draft%deck, block, 1, 71, ileng)
+         call card_integer(draft%deck, block, 1, 71, ileng, 5)
       end select
       s%per_length = ileng == 1
    end subroutine read_spring

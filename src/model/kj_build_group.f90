@@ -110,12 +110,13 @@ contains
             s = draft%deck%line_source(line)
             associate (text => draft%deck%source(s)%text(draft%deck%line_first(line): &
                draft%deck%line_last(line)))
+               if (index(text, ',') > 0) named = .true.   ! free format: all may be
                call ids_on_card(draft%deck, block, line, text, columns)
                do k = 1, columns%n
                   if (columns%family(k) /= OF_GROUP .or. columns%first(k) > len(text)) cycle
                   read (text(columns%first(k):min(len(text), columns%last(k))), '(i10)', &
                      iostat=status) id
-                  if (status /= 0) named = .true.   ! cut at commas, or wrong
+                  if (status /= 0) named = .true.   ! wrong
                   i = find(draft%group, id)
                   if (status == 0 .and. i > 0) named(i) = .true.
                end do

@@ -165,6 +165,30 @@ def structure(c):
     done = subprocess.run([c.kjoint, "run", c.work/"full_0000.rad", "--mechanism", "-q", "-o", out], capture_output=True, text=True,
                           check=False)
     c.check("one file runs", done.returncode == 0 and out.exists(), done.stderr)
+    first = "#RADIOSS\n" + ENGINE + "/END/ENGINE\n" + deck()
+    c.body("one file, the engine part first", first, 6, (1, 1, 0), engine=None)
+    out.unlink(missing_ok=True)
+    done = subprocess.run([c.kjoint, "run", c.work/"full_0000.rad", "--mechanism", "-q", "-o", out], capture_output=True, text=True,
+                          check=False)
+    c.check("it runs", done.returncode == 0 and out.exists(), done.stderr)
+    c.says("a keyword in lower case", deck(PARTNER.replace("/SHELL/2", "/shell/2")), "warning", "KJ-9020")
+    # free format: items in the place of columns, unused columns are one
+    shell, prop = ints(1, 1, 2, 3, 4), ints(3, 0) + real(0.5)
+    whole = "/RBODY/1\nbody\n" + ints(100, 0, 0, 0) + real(0) + ints(1, 0, 1, 0)
+    for columns, items, mass in ((prop, "3,0,0.25", 3), (shell, "1,1,2,3,4,,,0.25", 3), (real(3.0), "6.,", 12),
+                                 (whole, "/RBODY/1\nbody\n100,0,0,0,0,1,0,1,0", 6), ("/PART/1\np\n" + ints(1, 1, 0), "/PART/1\np\n1,1,0", 6)):
+        c.body("free format: " + items, deck().replace(columns, items, 1), mass, (1, 1, 0))
+    # a triangle typed as a shell of four: its third node has two of four quarters
+    for fourth in (0, 3):
+        c.body("a shell of three nodes", deck().replace(shell, ints(1, 1, 2, 3, fourth)), 3, (1.5, 1, 0))
+    # the inner submodel has ids 1100 above its own; it turns about z after the outer one has moved with all that is in it
+    inside = deck().split(UNITS)[2].replace("/END\n", "")
+    nested = ("//SUBMODEL/1\nouter\n" + ints(1000) + "\n" + inside + "//SUBMODEL/2\ninner\n" + ints(100) + "\n" + inside
+              + "//ENDSUB\n//ENDSUB\n/TRANSFORM/TRA/1\nt\n" + ints(0) + real(10, 0, 0) + ints(0, 0, 1) + "\n/TRANSFORM/ROT/2\nt\n"
+              + ints(0) + real(0, 0, 0) + ints(0, 0, 2) + "\n" + 10*" " + real(0, 0, 1) + real(90) + "\n/END\n")
+    said = c.extract(deck().split(UNITS)[0] + 2*UNITS + nested).get("bodies", [])
+    told = [(b["id"], b["main_node"], round(b["mass"], 9), [round(x, 9) for x in b["centre"]]) for b in said]
+    c.check("a submodel in a submodel", told == [(1001, 1100, 6, [11, 1, 0]), (1101, 1200, 6, [-1, 11, 0])], told)
     # TYPE4 with fct3 counts the functions up to it: 1 and 2 stay, though nothing names 1
     line = "/FUNCT/{0}\nf\n" + real(-1, -1) + "\n" + real(1, 1) + "\n"
     spring = ("/PROP/SPRING/9\ns\n" + real(1) + "\n" + real(1) + "\n" + ints(3, 4, 0, 2, 0) + "\n\n/PART/9\ns\n" + ints(9, 0, 0)
