@@ -3,8 +3,8 @@ module kj_check_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, str, SEV_WARNING, ERR_INPUT
    use kj_output, only: write_output
-   use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE, OPT_JSON, OPT_JUNIT, OPT_WERROR
-   use kj_terminal, only: print_line, may_colour, STDERR
+   use kj_option, only: arguments_t, OPT_QUIET, OPT_JSON, OPT_JUNIT, OPT_WERROR
+   use kj_terminal, only: print_line
    use kj_render, only: print_findings, print_failure, render
    use kj_words, only: buffer_t, add, counted, escaped
    use kj_json_writer, only: json_member
@@ -64,7 +64,7 @@ contains
          str(n_deck)//'" failures="'//str(n_failed)//'">'//NL//cases%s(:cases%n)// &
          '</testsuite>'//NL, args%operand(:args%n_operand), error)
       if (allocated(error)) then
-         call print_failure(error, may_colour(STDERR))
+         call print_failure(error)
          code = max(code, error%code)
       end if
       if (.not. several) return
@@ -132,9 +132,8 @@ contains
       code = max(code, own)
       if (own /= 0) n_failed = n_failed + 1
       if (.not. args%given(OPT_JSON)) then
-         call print_findings(findings, may_colour(STDERR), args%given(OPT_VERBOSE), &
-            args%given(OPT_QUIET))
-         if (allocated(error)) call print_failure(error, may_colour(STDERR))
+         call print_findings(args, findings)
+         call print_failure(error)
       end if
       if (allocated(error)) call add_finding(findings, error)
       if (args%given(OPT_JSON)) then

@@ -11,7 +11,7 @@ module kj_cli
       CMD_CONVERT, CMD_EXPORT, CMD_PLOT, CMD_ANIMATE, CMD_REPORT, CMD_INFO, CMD_STUDY, &
       CMD_SWEEP, CMD_FIT, CMD_EXTRACT, CMD_WATCH, CMD_RECOVER, CMD_LIST, CMD_NEW, CMD_HELP, &
       CMD_VERSION, OPT_JSON, OPT_VERBOSE
-   use kj_terminal, only: print_line, print_text, may_colour, STDERR
+   use kj_terminal, only: print_line, print_text
    use kj_render, only: print_failure
    use kj_list, only: print_table
    use kj_help, only: print_help_on
@@ -100,7 +100,7 @@ contains
          call print_line('{'//json_member('exit_code', code)//', '// &
             json_findings(findings)//'}')
       else
-         call print_failure(error, may_colour(STDERR))
+         call print_failure(error)
       end if
    end subroutine run_cli
 

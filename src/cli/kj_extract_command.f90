@@ -3,9 +3,9 @@
 module kj_extract_command
    use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, fail, str, ERR_RUN
-   use kj_option, only: arguments_t, stem_of, OPT_OUTPUT, OPT_QUIET, OPT_VERBOSE, OPT_JSON
+   use kj_option, only: arguments_t, stem_of, OPT_OUTPUT, OPT_QUIET, OPT_JSON
    use kj_run_arguments, only: take_run_options, exit_code
-   use kj_terminal, only: print_line, may_colour, STDERR
+   use kj_terminal, only: print_line
    use kj_output, only: write_output
    use kj_render, only: print_findings, print_failure
    use kj_words, only: counted, few, right
@@ -51,9 +51,8 @@ contains
          call print_json(merge(path, repeat(' ', len(path)), well), report, code, findings)
          return
       end if
-      call print_findings(findings, may_colour(STDERR), args%given(OPT_VERBOSE), &
-         args%given(OPT_QUIET))
-      if (allocated(error)) call print_failure(error, may_colour(STDERR))
+      call print_findings(args, findings)
+      call print_failure(error)
       if (well .and. .not. args%given(OPT_QUIET)) call print_report(args%operand(1)%s, path, report)
    end subroutine extract_command
 

@@ -2,7 +2,8 @@
 module kj_render
    use kj_error, only: error_t, finding_list_t, str, SEV_NOTE, SEVERITY_NAME
    use kj_words, only: right
-   use kj_terminal, only: print_error, ESC
+   use kj_option, only: arguments_t, OPT_QUIET, OPT_VERBOSE
+   use kj_terminal, only: print_error, may_colour, STDERR, ESC
    implicit none
    private
 
@@ -15,13 +16,17 @@ module kj_render
 contains
 
    !> Print findings on stderr: errors and warnings (up to 20 of each), and notes, which are a line
-   !> each unless `verbose`, and nothing under `quiet`
-   subroutine print_findings(findings, colours, verbose, quiet)
+   !> each unless -v is given, and nothing under -q
+   subroutine print_findings(args, findings)
+      type(arguments_t), intent(in) :: args
       type(finding_list_t), intent(in) :: findings
-      logical, intent(in) :: colours, verbose, quiet
 
+      logical :: colours, verbose, quiet
       integer :: shown(3), n_note, i, k
 
+      colours = may_colour(STDERR)
+      verbose = args%given(OPT_VERBOSE)
+      quiet = args%given(OPT_QUIET)
       shown = 0
       n_note = 0
       do i = 1, findings%n
@@ -52,12 +57,11 @@ contains
       call print_error('and '//str(n - MOST_SHOWN)//' more '//what//trim(plural))
    end subroutine print_more
 
-   !> Print one error on stderr
-   subroutine print_failure(error, colours)
-      type(error_t), intent(in) :: error
-      logical, intent(in) :: colours
+   !> Print an error on stderr, where there is one
+   subroutine print_failure(error)
+      type(error_t), allocatable, intent(in) :: error
 
-      call print_error(render(error, colours))
+      if (allocated(error)) call print_error(render(error, may_colour(STDERR)))
    end subroutine print_failure
 
    !> A finding as text of several lines, without the last line end

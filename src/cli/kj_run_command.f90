@@ -6,7 +6,7 @@ module kj_run_command
    use kj_option, only: arguments_t, OPT_OUTPUT, OPT_REPRODUCIBLE, OPT_QUIET, &
       OPT_VERBOSE, OPT_JSON, OPT_LISTING, OPT_LIVE
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
-   use kj_terminal, only: print_line, may_colour, may_overwrite, STDERR
+   use kj_terminal, only: print_line, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_words, only: counted
@@ -79,8 +79,7 @@ contains
          call start_trace(args, sim, tracer, error)
       if (.not. allocated(error) .and. findings%n_error == 0 .and. goes_on) &
          call restart_from(restart, sim, error)
-      if (.not. args%given(OPT_JSON)) call print_findings(findings, may_colour(STDERR), &
-         args%given(OPT_VERBOSE), args%given(OPT_QUIET))
+      if (.not. args%given(OPT_JSON)) call print_findings(args, findings)
       if (.not. allocated(error) .and. findings%n_error == 0) &
          call advance(sim, args, engine, command_line, min(options%threads, processors()), &
          restart, goes_on, sink, tracer, outcome, error)
@@ -92,9 +91,8 @@ contains
          call print_json(outcome, findings, error)
          return
       end if
-      call print_findings(outcome%status%warnings, may_colour(STDERR), args%given(OPT_VERBOSE), &
-         args%given(OPT_QUIET))
-      if (allocated(error)) call print_failure(error, may_colour(STDERR))
+      call print_findings(args, outcome%status%warnings)
+      call print_failure(error)
       if (.not. args%given(OPT_QUIET) .and. allocated(outcome%verdict)) call print_summary(outcome)
    end subroutine run_command
 

@@ -6,7 +6,7 @@ module kj_study_command
    use kj_option, only: arguments_t, option_real, option_list, stem_of, OPT_OUTPUT, OPT_QUIET, &
       OPT_JSON, OPT_ERROR, OPT_SCALES, OPT_STIFFNESS
    use kj_run_arguments, only: take_run_options, find_engine, exit_code
-   use kj_terminal, only: print_line, print_error, may_colour, STDERR
+   use kj_terminal, only: print_line, print_error
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
    use kj_json_writer, only: json_member, json_findings
@@ -85,13 +85,12 @@ contains
       if (caught_signal() > 0) code = 128 + caught_signal()
       if (args%given(OPT_JSON)) then
          if (allocated(error)) call add_finding(findings, error)
-         if (.not. well) json = '{'//json_member('exit_code', code)//', '// &
-            json_findings(findings)//'}'
-         call print_line(json)
+         if (.not. well) json = ' '//json_findings(findings)//'}'
+         call print_line('{'//json_member('exit_code', code)//', '//json(2:))
          return
       end if
-      call print_findings(findings, may_colour(STDERR), .false., args%given(OPT_QUIET))
-      if (allocated(error)) call print_failure(error, may_colour(STDERR))
+      call print_findings(args, findings)
+      call print_failure(error)
       if (args%given(OPT_QUIET) .or. .not. well) return
       call print_study(study, args%operand(1)%s, wanted)
       call print_line('table: '//root//'.json, '//root//'.csv; plot: tools/plot_study.py '//root// &

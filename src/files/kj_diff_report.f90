@@ -234,8 +234,9 @@ contains
       type(buffer_t) :: b
       integer :: i
 
-      call add(b, '{'//json_member('verdict', trim(merge('SAME     ', 'DIFFERENT', &
-         result%code == 0)))//', '//json_member('summary', verdict(result))//','//NL)
+      call add(b, '{'//json_member('exit_code', result%code)//', '//json_member('verdict', &
+         trim(merge('SAME     ', 'DIFFERENT', result%code == 0)))//', '// &
+         json_member('summary', verdict(result))//','//NL)
       call add(b, ' '//json_member('ref', result%ref_path)//', '// &
          json_member('run', result%run_path)//','//NL)
       call add(b, ' '//json_member('profile', trim(result%profile%name))//', '// &

@@ -69,6 +69,7 @@ def main(kjoint, decks, work):
     again = study(kjoint, work, deck, "--until", "0.2", "--stiffness", "0.1", "--threads", "2", "--json", "-o", "two")
     assert again.returncode == 0, again.stderr
     two = json.loads(again.stdout)
+    assert two["exit_code"] == 0
     assert [s["error"] for s in two["settings"]][:15] == [s["error"] for s in table["settings"]][:15]
     assert (work / "two.json").exists() and (work / "two.csv").exists()
 

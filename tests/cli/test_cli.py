@@ -542,7 +542,7 @@ class Diff(Program):
     def test_the_verdict_has_other_forms(self):
         done = self.kjoint("diff", self.t01, "a.h5", "--json", "--junit", "verdict.xml",
                            "--metrics", "max,nrmse")
-        json.loads(done.stdout)
+        self.assertEqual((0, "SAME"), tuple(json.loads(done.stdout)[key] for key in ("exit_code", "verdict")))
         suites = xml.etree.ElementTree.parse(self.folder / "verdict.xml").getroot()
         self.assertGreater(len(list(suites.iter("testcase"))), 20)
 
