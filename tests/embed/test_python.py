@@ -257,23 +257,55 @@ class Models(unittest.TestCase):
             with h5py.File(path) as file:
                 np.testing.assert_array_equal(file["joint/force"][:], model["joint/force"])
 
-    def test_a_motion_ends_before_its_sensor_does(self):
-        # driven by v = t from 0 to 0.3 by the card, by a sensor that never ends: then it coasts at 0.3
+    @staticmethod
+    def slider():
+        """2 kg on a slider along x, at rest."""
         m = kjoint.Mechanism()
         mass = m.body(2.0, (1, 1, 1), at=(0, 0, 0), name="mass")
         m.joint("translational", m.ground(), mass, at=(0, 0, 0))
+        return m
+
+    def driven(self, card, columns, text, blocks=(), keyword="/IMPVEL"):
+        """The run of the slider, driven by v = t until 0.3, with another text in columns of a card of the motion."""
+        m = self.slider()
         m.drive("mass", along=(1, 0, 0), velocity=[(0, 0), (1, 1)], stop=0.3)
         lines = m.deck().splitlines()
-        card = next(i for i, line in enumerate(lines) if line.startswith("/IMPVEL")) + 2
-        lines[card] = lines[card][:30] + f"{77:10d}" + lines[card][40:]
-        lines[card + 2:card + 2] = ["/SENSOR/TIME/77", "on", f"{0.0:20}"]
+        motion = next(i for i, line in enumerate(lines) if line.startswith("/IMPVEL"))
+        line = lines[motion + 1 + card]
+        lines[motion + 1 + card] = line[:columns[0]] + text.rjust(columns[1] - columns[0]) + line[columns[1]:]
+        lines[motion] = lines[motion].replace("/IMPVEL", keyword)
+        lines[motion:motion] = blocks
         with tempfile.TemporaryDirectory() as folder:
-            deck = pathlib.Path(folder, "late_0000.rad")
+            deck = pathlib.Path(folder, "driven_0000.rad")
             deck.write_text("\n".join(lines) + "\n")
-            run = kjoint.Model(deck, until=0.5, sample=0.1).run()
+            return kjoint.Model(deck, until=0.5, sample=0.1).run()
+
+    def test_a_motion_ends_before_its_sensor_does(self):
+        # by a sensor that never ends; then it coasts at 0.3
+        run = self.driven(1, (30, 40), "77", ["/SENSOR/TIME/77", "on", f"{0.0:20}"])
         velocity = run["rigid_body/velocity[mass].x"]
         self.assertAlmostEqual(0.2, velocity[2], 2)
         np.testing.assert_allclose(velocity[4:], 0.3, atol=5e-3)
+
+    def test_a_motion_whose_abscissa_is_scaled(self):
+        # v = t/0.5: x = t**2; the work is the kinetic energy, v**2 of 2 kg
+        run = self.driven(2, (0, 20), "0.5")
+        t = run["time"][1:3]
+        np.testing.assert_allclose(run["rigid_body/velocity[mass].x"][1:3], 2*t, rtol=1e-3)
+        np.testing.assert_allclose(run["rigid_body/position[mass].x"][1:3], t**2, rtol=1e-3)
+        np.testing.assert_allclose(run["external_work"][1:3], (2*t)**2, rtol=5e-3)
+
+        # as an acceleration: a = t/0.5, v = t**2
+        run = self.driven(2, (0, 20), "0.5", keyword="/IMPACC")
+        np.testing.assert_allclose(run["rigid_body/velocity[mass].x"][1:3], t**2, rtol=1e-3)
+
+    def test_the_work_of_a_load_is_force_times_way(self):
+        m = self.slider()
+        m.load("mass", force=(10.0, 0, 0))                   # x = 10/2 t**2/2
+        run = m.run(until=0.4, sample=0.1)
+        x = run["rigid_body/position[mass].x"]
+        np.testing.assert_allclose(x[1:], 2.5*run["time"][1:]**2, rtol=1e-3)
+        np.testing.assert_allclose(run["external_work"][1:], 10*x[1:], rtol=1e-6)
 
     def test_a_run_is_watched_and_stopped(self):
         seen = []
