@@ -299,6 +299,12 @@ class Models(unittest.TestCase):
         run = self.driven(2, (0, 20), "0.5", keyword="/IMPACC")
         np.testing.assert_allclose(run["rigid_body/velocity[mass].x"][1:3], t**2, rtol=1e-3)
 
+    def test_a_last_state_between_samples_says_so(self):
+        run = self.slider().run(until=0.25, sample=0.1)
+        self.assertEqual([0, 0, 0, 1], list(run["final"]))
+        np.testing.assert_allclose(run["time"], [0, 0.1, 0.2, 0.25], rtol=1e-9)
+        self.assertEqual([0, 0, 0], list(self.slider().run(until=0.2, sample=0.1)["final"]))
+
     def test_the_work_of_a_load_is_force_times_way(self):
         m = self.slider()
         m.load("mass", force=(10.0, 0, 0))                   # x = 10/2 t**2/2
