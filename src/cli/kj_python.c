@@ -27,7 +27,12 @@ static const char *SCRIPT =
     "    sys.exit('error: the Python package kjoint is not found\\n'\n"
     "             '    = install it: python3 -m pip install kjoint; KJOINT_PYTHON names another Python')\n"
     "import runpy\n"
-    "runpy.run_module('kjoint.' + sys.argv.pop(1), run_name='__main__')\n";
+    "try:\n"
+    "    runpy.run_module('kjoint.' + sys.argv.pop(1), run_name='__main__')\n"
+    "except ModuleNotFoundError as error:\n"
+    "    print(f'error: this needs the Python package {error.name}\\n    = install it: '\n"
+    "          f'{sys.executable} -m pip install {error.name}', file=sys.stderr)\n"
+    "    sys.exit(3)\n";
 
 /* A folder beside the program; 1 when it is there */
 static int beside(const char *program, int up, const char *tail, char *path)

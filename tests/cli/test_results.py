@@ -368,13 +368,16 @@ class Show(Results):
         done = super().kjoint("plot", self.run_h5, "mass", code=2, KJOINT_PYTHON="/usr/bin/python3",
                               PYTHONPATH=str(self.empty_numpy()))
         self.assertIn("pip install numpy", done.stderr)
+        done = super().kjoint("sweep", SOURCE / "decks" / "slider_tolerance_0000.rad", "--vary", "radius=1", "--measure",
+                              "mass:max", code=3, KJOINT_PYTHON="/usr/bin/python3", PYTHONPATH=str(self.folder))
+        self.assertIn("pip install numpy", done.stderr)
         done = super().kjoint("plot", self.run_h5, "mass", code=3, KJOINT_PYTHON="/none/python")
         self.assertIn("KJOINT_PYTHON", done.stderr)
 
     def empty_numpy(self):
         """A folder whose numpy cannot be imported."""
         (self.folder / "numpy").mkdir()
-        (self.folder / "numpy" / "__init__.py").write_text("raise ImportError")
+        (self.folder / "numpy" / "__init__.py").write_text("raise ModuleNotFoundError(name='numpy')")
         return self.folder
 
 
