@@ -11,7 +11,10 @@ submodule (kjoint) kjoint_impl
    use kj_text, only: append_text
    use kj_build, only: build_model
    use kj_build_joint, only: scale_blocking
-   use kj_draft, only: draft_t
+   use kj_cards, only: rows_t, read_rows
+   use kj_keywords, only: KW_NODE
+   use kj_sort, only: lookup_t, new_lookup
+   use kj_draft, only: draft_t, blocks_of
    use kj_joint_types, only: joint_types
    use kj_model, only: model_t
    use kj_sample, only: new_sampler
@@ -28,6 +31,7 @@ contains
       type(source_t) :: engine_source
       type(engine_t) :: controls
       type(simulation_t) :: fresh
+      type(lookup_t) :: nodes
       type(extract_report_t) :: report
       character(len=:), allocatable :: path, kept
 
@@ -54,8 +58,9 @@ contains
       else
          call find_engine_deck(starter, engine, path)
          if (options%mechanism) then
+            call find_nodes(draft%deck, nodes)
             call read_engine(path, controls, engine_source, draft%deck%findings, &
-               options%ignore_unsupported, sim%scheme%legacy, kept)
+               options%ignore_unsupported, sim%scheme%legacy, kept, nodes)
          else
             call read_engine(path, controls, engine_source, draft%deck%findings, &
                options%ignore_unsupported, sim%scheme%legacy)
@@ -129,6 +134,7 @@ contains
       type(source_t) :: engine_source
       type(engine_t) :: controls
       type(model_t) :: model
+      type(lookup_t) :: nodes
       type(error_t), allocatable :: error
       character(len=:), allocatable :: path, kept
       integer :: i
@@ -140,8 +146,9 @@ contains
       call find_engine_deck(starter, engine, path)
       inquire (file=path, exist=has_engine)
       if (has_engine) then
+         call find_nodes(draft%deck, nodes)
          call read_engine(path, controls, engine_source, draft%deck%findings, &
-            options%ignore_unsupported, kept=kept)
+            options%ignore_unsupported, kept=kept, nodes=nodes)
          report%engine = kept
          if (allocated(report%input)) call append_text(report%input, path)
       end if
@@ -173,6 +180,21 @@ contains
       if (exists) return
       if (has_engine_part(starter)) path = starter
    end subroutine find_engine_deck
+
+   !> Ids of the nodes of a deck
+   subroutine find_nodes(deck, nodes)
+      type(deck_t), intent(inout) :: deck
+      type(lookup_t), intent(out) :: nodes
+
+      type(rows_t) :: rows
+
+      if (deck%readable) then
+         call read_rows(deck, blocks_of(deck, KW_NODE), rows)
+         call new_lookup(rows%ints(:, 1), nodes)
+      else
+         call new_lookup([integer ::], nodes)
+      end if
+   end subroutine find_nodes
 
    !> 'a=1,b=2' -> names and values
    pure function settings_of(text) result(list)

@@ -9,6 +9,8 @@ module kj_engine
       report_value
    use kj_engine_words, only: engine_word_t, engine_words, find_engine_word, ENGINE_READ, &
       ENGINE_NOTE, ENGINE_OUT
+   use kj_engine_nodes, only: node_act_t, take_node_act, keep_known
+   use kj_sort, only: lookup_t
    use kj_keywords, only: find_keyword
    use kj_spelling, only: upper
    implicit none
@@ -42,6 +44,7 @@ module kj_engine
       logical :: stop_saves = .false.           !! /STOP: then the state is saved
       logical :: checkpoint = .false.           !! /RFILE: it is saved at the end
       integer :: checkpoint_cycles = 0          !! and every so many cycles; 0 = only then
+      type(node_act_t), allocatable :: acts(:)  !! on nodes at the start; not allocated: none
    end type engine_t
 
 contains
@@ -49,7 +52,8 @@ contains
    !> Read an engine deck
    !>
    !> Errors: findings with code ERR_FILE when the file cannot be read, else ERR_INPUT.
-   subroutine read_engine(path, engine, source, findings, ignore_unsupported, adds_mass, kept)
+   subroutine read_engine(path, engine, source, findings, ignore_unsupported, adds_mass, kept, &
+      nodes)
       character(len=*), intent(in) :: path
       type(engine_t), intent(out) :: engine
       type(source_t), intent(out) :: source     !! the file, for the record
@@ -58,8 +62,10 @@ contains
       logical, intent(in), optional :: adds_mass  !! the run can do what CST asks for; .true.
       !> of a full deck: what steers elements is left out, and this is the rest
       character(len=:), allocatable, intent(out), optional :: kept
+      type(lookup_t), intent(in), optional :: nodes   !! with `kept`: those of the mechanism
 
       type(deck_t) :: deck
+      character(len=:), allocatable :: text
       integer :: line, header, severity
 
       severity = SEV_ERROR
@@ -67,7 +73,8 @@ contains
       if (present(adds_mass)) engine%adds_mass = adds_mass
       deck%findings = findings
       call load_engine(path, deck)
-      if (present(kept)) call leave_out(deck, severity, kept)
+      text = deck%source(1)%text
+      if (present(kept)) call leave_out(deck, severity, nodes, kept)
       line = 1
       do while (line <= deck%n_line)
          header = line
@@ -86,12 +93,14 @@ contains
       end if
       findings = deck%findings
       source = deck%source(1)
+      source%text = text
    end subroutine read_engine
 
    !> Leave out the keywords that steer elements and output; `kept` has the lines of the others
-   subroutine leave_out(deck, severity, kept)
+   subroutine leave_out(deck, severity, nodes, kept)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: severity           !! SEV_WARNING: so is what is not supported
+      type(lookup_t), intent(in) :: nodes       !! of the mechanism
       character(len=:), allocatable, intent(out) :: kept
 
       integer :: line, n
@@ -101,8 +110,8 @@ contains
       n = 0
       goes = .false.
       do line = 1, deck%n_line
-         if (is_header(deck, line)) call judge(deck, line, severity, goes)
-         if (goes) cycle
+         if (is_header(deck, line)) call judge(deck, line, severity, nodes, goes)
+         if (goes .or. line_text(deck, line) == '') cycle
          n = n + 1
          deck%line_source(n) = deck%line_source(line)
          deck%line_number(n) = deck%line_number(line)
@@ -114,19 +123,25 @@ contains
    end subroutine leave_out
 
    !> Whether a keyword of the engine deck of a full deck means nothing to its mechanism
-   subroutine judge(deck, line, severity, goes)
+   subroutine judge(deck, line, severity, nodes, goes)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line                !! of the header
       integer, intent(in) :: severity
+      type(lookup_t), intent(in) :: nodes
       logical, intent(out) :: goes
 
       type(engine_line_t) :: words
-      integer :: row
+      integer :: row, last
+      logical :: some
 
       call split_words(adjustl(line_text(deck, line)), words)
       row = find_engine_word(words%word(1))
-      goes = .false.
-      if (row == 0) return
+      goes = row == 0
+      if (goes) then
+         call report_line(deck, line, SEV_WARNING, 'KJ-E189', '/'//trim(words%word(1))// &
+            ' is not an engine keyword that is known here', 'left out of the mechanism')
+         return
+      end if
       select case (engine_words(row)%name)
       case ('DEL', 'INTER', 'ALE', 'THERM')
          goes = .true.
@@ -139,6 +154,14 @@ contains
             call report_line(deck, line, SEV_WARNING, 'KJ-9425', &
                'mass scaling is left out of the mechanism', 'adds mass to nodes of elements')
          end if
+      case ('BCS', 'BCSR', 'INIV')
+         do last = line, deck%n_line - 1
+            if (is_header(deck, last + 1)) exit
+         end do
+         call keep_known(deck, line, last, nodes, some)
+         goes = .not. some
+         if (goes) call report_line(deck, line, SEV_WARNING, 'KJ-9421', &
+            'none of the nodes of this condition is in the mechanism', 'left out')
       case ('TH')
       case default
          goes = engine_words(row)%status == ENGINE_NOTE
@@ -224,8 +247,9 @@ contains
       integer, intent(in) :: header, last, severity
       type(engine_t), intent(inout) :: engine
 
+      type(node_act_t) :: act
       real(wp) :: value(3)
-      logical :: second
+      logical :: second, known
 
       second = .false.
       select case (name)
@@ -273,6 +297,10 @@ contains
          second = engine%has_kill
          engine%has_kill = .true.
          if (.not. second) call take_stop(deck, header, last, .false., engine)
+      case ('BCS', 'BCSR', 'INIV')
+         call take_node_act(deck, words, header, last, severity, act, known)
+         if (.not. allocated(engine%acts)) allocate (engine%acts(0))
+         if (known) engine%acts = [engine%acts, act]
       case ('RFILE')
          second = engine%has_rfile
          engine%has_rfile = .true.

@@ -11,8 +11,8 @@ module kj_engine_text
    implicit none
    private
 
-   public :: engine_line_t, load_engine, has_engine_part, split_words, read_values, word_integer, &
-      report_value
+   public :: engine_line_t, load_engine, has_engine_part, split_words, next_item, read_values, &
+      word_integer, report_value
 
    integer, parameter :: MOST_WORDS = 8
 

@@ -54,21 +54,22 @@ module kj_engine_words
       engine_word_t('PERF',  ENGINE_NOTE, F, 'timing of other solvers'), &
       engine_word_t('NEGVO', ENGINE_NOTE, F, 'solid elements'), &
       engine_word_t('UPWIN', ENGINE_NOTE, F, 'fluids'), &
-      engine_word_t('BCS',   ENGINE_OUT,  F, 'conditions that change: write them into the starter deck'), &
-      engine_word_t('BCSR',  ENGINE_OUT,  F, 'conditions that are released'), &
+      engine_word_t('BCS',   ENGINE_READ, F, 'nodes that are held'), &
+      engine_word_t('BCSR',  ENGINE_READ, F, 'nodes that are released'), &
       engine_word_t('DEL',   ENGINE_OUT,  F, 'elements that are deleted: leave them out of the deck'), &
       engine_word_t('RBODY', ENGINE_OUT,  F, 'rigid bodies that are switched'), &
       engine_word_t('KEREL', ENGINE_OUT,  F, 'kinetic-energy relaxation'), &
       engine_word_t('DYREL', ENGINE_OUT,  F, 'dynamic relaxation'), &
       engine_word_t('ADYRE', ENGINE_OUT,  F, 'dynamic relaxation'), &
       engine_word_t('DAMP',  ENGINE_OUT,  F, 'Rayleigh damping'), &
-      engine_word_t('INIV',  ENGINE_OUT,  F, 'velocities at a restart: use /INIVEL in the starter deck'), &
+      engine_word_t('INIV',  ENGINE_READ, F, 'velocities of nodes at the start'), &
       engine_word_t('IMPL',  ENGINE_OUT,  F, 'implicit solution'), &
       engine_word_t('EIG',   ENGINE_OUT,  F, 'eigenmodes'), &
       engine_word_t('THERM', ENGINE_OUT,  F, 'heat'), &
       engine_word_t('ALE',   ENGINE_OUT,  F, 'fluids'), &
       engine_word_t('INTER', ENGINE_OUT,  F, 'contact'), &
       engine_word_t('RLINK', ENGINE_OUT,  F, 'rigid links that are switched'), &
+      engine_word_t('VEL',   ENGINE_OUT,  F, 'nodes that move alike'), &
       engine_word_t('FXINP', ENGINE_OUT,  F, 'flexible bodies'), &
       engine_word_t('MADYM', ENGINE_OUT,  F, 'a coupled run'), &
       engine_word_t('RAD2R', ENGINE_OUT,  F, 'a coupled run'), &

@@ -15,8 +15,9 @@ module kj_build
    use kj_build_body, only: build_bodies
    use kj_build_spring, only: build_spring_properties
    use kj_build_joint, only: build_joints
-   use kj_build_load, only: build_velocities, build_conditions, build_gravity, build_cloads, &
-      build_motions
+   use kj_build_engine, only: act_on_velocities, act_on_conditions
+   use kj_build_load, only: build_velocities, carry_secondaries, build_conditions, build_gravity, &
+      build_cloads, build_motions
    use kj_build_request, only: build_requests
    use kj_model, only: model_t, SCALE_NONE, SCALE_MASS, SCALE_MASS_NEXT, STOP_BELOW
    implicit none
@@ -57,8 +58,11 @@ contains
       call build_spring_properties(draft)
       call build_bodies(draft, model)
       call build_velocities(draft, model)
+      if (allocated(engine%acts)) call act_on_velocities(draft, engine%acts, model)
+      call carry_secondaries(model)
       call build_joints(draft, model)
       call build_conditions(draft, model)
+      if (allocated(engine%acts)) call act_on_conditions(draft, engine%acts, model)
       call build_gravity(draft, model)
       call build_cloads(draft, model)
       call build_motions(draft, model)

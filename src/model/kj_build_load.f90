@@ -19,7 +19,8 @@ module kj_build_load
    implicit none
    private
 
-   public :: build_conditions, build_gravity, build_cloads, build_motions, build_velocities
+   public :: build_conditions, build_gravity, build_cloads, build_motions, build_velocities, &
+      carry_secondaries
 
    character(len=2), parameter :: DIRECTION(6) = ['X ', 'Y ', 'Z ', 'XX', 'YY', 'ZZ']
 
@@ -336,7 +337,7 @@ contains
 
       type(cards_t) :: cards
       integer, allocatable :: nodes(:)
-      integer :: i, b, keyword
+      integer :: i, keyword
 
       do i = 1, draft%deck%n_block
          keyword = draft%deck%block(i)%keyword
@@ -356,11 +357,19 @@ contains
             call set_velocity(draft, cards, keyword, nodes, model)
          end if
       end do
+   end subroutine build_velocities
+
+   !> Secondary nodes start with the velocity of their body
+   subroutine carry_secondaries(model)
+      type(model_t), intent(inout) :: model
+
+      integer :: i, b
+
       do i = model%n_lead + 1, model%n_node
          b = model%lead(i)
          model%v0(i, :) = model%v0(b, :) + cross(model%w0(b, :), model%x0(i, :) - model%x0(b, :))
       end do
-   end subroutine build_velocities
+   end subroutine carry_secondaries
 
    !> Velocities act at the start, and at no other time
    subroutine refuse_late(draft, cards)

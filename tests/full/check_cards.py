@@ -284,6 +284,38 @@ def references(c):
            "KJ-9429")
 
 
+def engine_cards(c):
+    """/BCS, /BCSR, /INIV of the engine deck do what /BCS and /INIVEL of the starter deck do."""
+    more = PARTNER + "/TH/RBODY/1\nt\nDEF       X         VX        VY        VRZ       \n" + ints(1) + "\n"
+
+    def run(name, *options):
+        path = c.work/(name + ".h5")
+        path.unlink(missing_ok=True)
+        done = subprocess.run([c.kjoint, "run", c.work/(name.split(".")[0] + "_0000.rad"), "-q", "-o", path, *options], capture_output=True,
+                              text=True, check=False)
+        c.check("run of " + name, done.returncode == 0, done.stderr)
+        return path
+    starter = ("/INIVEL/TRA/1\nv\n" + real(3, 0, 0) + ints(52) + "\n", "/INIVEL/ROT/2\nv\n" + real(0, 0, 2) + ints(52) + "\n",
+               "/BCS/1\nb\n   100 000" + ints(0, 52) + "\n", "/INIVEL/AXIS/1\nv\n" + f"{'Z':>10}" + ints(0, 52) + "\n" + real(1, 2, 3, 4) + "\n")
+    for name, before, cards in (
+            ("velocity", starter[0], "/INIV/TRA/X\n3.0\n200 100\n"), ("turn", starter[1], "/INIV/ROT/Z\n2.0\n100, 201\n"),
+            ("a range", starter[0], "/INIV/TRA/X/1\n3\n90 110 300 400\n"), ("held", starter[0] + starter[2],
+             "/INIV/TRA/X\n3.0\n100\n/BCS/TRA/X\n200\n100\n"), ("released", starter[0],
+             "/INIV/TRA/X\n3.0\n100\n/BCS/TRA/XY\n100\n/BCSR/TRA/YX\n100\n"), ("an axis", starter[3], "/INIV/AXIS/Z\n0\n1 2 3 4\n100\n")):
+        c.extract(deck(more + before))
+        there = run("full", "--mechanism").rename(c.work/"before.h5")
+        said = c.extract(deck(more), engine=ENGINE + cards)
+        written = (c.work/"mech_0001.rad").read_text() if said["exit_code"] == 0 else ""
+        c.check("engine cards: " + name, cards.split("\n")[0] in written and " 200" not in written and "200 " not in written,
+                [written, said["findings"]])
+        for one in (run("full", "--mechanism"), run("mech")):
+            done = subprocess.run([c.kjoint, "diff", there, one], capture_output=True, text=True, check=False)
+            c.check(f"engine cards, {name}: {one.name}", done.returncode == 0 and "SAME" in done.stdout, done.stdout[-2000:])
+    said = c.extract(deck(more), engine=ENGINE + "/BCS/TRA/X\n200 201\n/MYSTERY/1\n1 2\n")
+    c.check("engine cards that mean nothing here", said["exit_code"] == 0 and {"KJ-9421", "KJ-E189"} <= {f["id"] for f in said["findings"]}
+            and "/BCS" not in (c.work/"mech_0001.rad").read_text(), said["findings"])
+
+
 def cards_in_the_file(c):
     """Cards of nodes and elements are read from the file when somebody asks: however they are typed."""
     shell = ints(1, 1, 2, 3, 4) + "\n"
@@ -361,7 +393,7 @@ def circles(c):
 def main(kjoint):
     with tempfile.TemporaryDirectory() as work:
         c = Checks(pathlib.Path(kjoint).resolve(), work)
-        for part in (masses, moves, parameters, structure, acts, references, circles, cards_in_the_file, large):
+        for part in (masses, moves, parameters, structure, acts, references, circles, engine_cards, cards_in_the_file, large):
             part(c)
     print(f"{c.n - c.wrong} of {c.n} right")
     return c.wrong > 0
