@@ -78,8 +78,8 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/consistent/kj_consistent_chart.f90", "h1 = 0.5_wp*(d(i, 1)*y(i, 1)", "h1 = 0.5_wp*(d(i, 2)*y(i, 1)", "accuracy.ledger physics unit.test_consistent_springs"),
     # history
     ("src/history/kj_sample.f90", "y = merge(1.0_wp, 0.0_wp, final)", "y = merge(0.0_wp, 1.0_wp, final)", "python_api"),
-    ("src/history/kj_sample_body.f90", "y(1, roster%entity(i)) = 0.5_wp*(now%mass(body)", "y(1, roster%entity(i)) = (now%mass(body)", "physics layout"),
-    ("src/history/kj_sample_joint.f90", "s%energy(roster%place) - y(1, roster%entity)", "s%energy(roster%place) + y(1, roster%entity)", "physics layout"),
+    ("src/history/kj_sample_body.f90", "y(1, roster%entity(i)) = 0.5_wp*(now%mass(body)", "y(1, roster%entity(i)) = (now%mass(body)", "python_api"),
+    ("src/history/kj_sample_joint.f90", "s%energy(roster%place) - y(1, roster%entity)", "s%energy(roster%place) + y(1, roster%entity)", "python_api"),
     # files
     ("src/files/kj_t01_file.f90", "transfer(bytes(8*i:8*i - 7:-1), 1.0_real64)", "transfer(bytes(8*i - 7:8*i), 1.0_real64)", "diff.reports"),
     ("src/files/kj_t01_text.f90", "integer, parameter :: FIRST(3) = [INT_WIDTH, INT_WIDTH, SHORT_INT_WIDTH]", "integer, parameter :: FIRST(3) = [INT_WIDTH, INT_WIDTH, INT_WIDTH]", "diff.reports"),

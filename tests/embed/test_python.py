@@ -312,6 +312,21 @@ class Models(unittest.TestCase):
         x = run["rigid_body/position[mass].x"]
         np.testing.assert_allclose(x[1:], 2.5*run["time"][1:]**2, rtol=1e-3)
         np.testing.assert_allclose(run["external_work"][1:], 10*x[1:], rtol=1e-6)
+        speed = run["rigid_body/velocity[mass].x"]
+        np.testing.assert_allclose(run["rigid_body/kinetic_energy[mass]"], 2.0*speed**2/2, rtol=1e-12)
+
+    def test_a_spring_stores_and_its_damper_takes(self):
+        # 2 kg on 50 N/m with 2 N s/m, from 1 m/s: what is gone from 1 J of motion is in the joint
+        m = kjoint.Mechanism()
+        mass = m.body(2.0, (1, 1, 1), at=(0, 0, 0), name="mass", velocity=(1, 0, 0))
+        m.joint("translational", m.ground(), mass, at=(0, 0, 0), name="guide", k={"tx": 50.0}, c={"tx": 2.0})
+        run = m.run(until=1.0, sample=0.1)
+        x = run["joint/displacement[guide].x"]
+        elastic, dissipated = run["joint/elastic_energy[guide]"], run["joint/dissipated_energy[guide]"]
+        np.testing.assert_allclose(elastic, 50*x**2/2, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(elastic + dissipated, run["joint/internal_energy[guide]"], rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(run["joint/internal_energy[guide]"],
+                                   1.0 - run["rigid_body/kinetic_energy[mass]"], atol=1e-5)
 
     def test_a_run_is_watched_and_stopped(self):
         seen = []
