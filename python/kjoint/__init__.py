@@ -28,7 +28,7 @@ if TYPE_CHECKING:                                       # else loaded by the fir
     from ._library import options, version
     from .joints import Joints
     from .mechanism import Mechanism, example
-    from .model import Model
+    from .model import Model, run_beside
     from .samples import Run
     from .variants import sweep
 
@@ -36,8 +36,9 @@ if TYPE_CHECKING:                                       # else loaded by the fir
 
 _HOMES = {"Error": "_error", "options": "_library", "version": "_library", "Joints": "joints",
           "Mechanism": "mechanism", "Model": "model", "Run": "samples", "example": "mechanism",
-          "sweep": "variants"}
-__all__ = ["Error", "Joints", "Mechanism", "Model", "Run", "example", "options", "sweep", "version"]
+          "run_beside": "model", "sweep": "variants"}
+__all__ = ["Error", "Joints", "Mechanism", "Model", "Run", "example", "options", "run_beside", "sweep",
+           "version"]
 
 
 def __getattr__(name: str) -> Any:

@@ -103,7 +103,7 @@ def _declare(library: ct.CDLL) -> ct.CDLL:
         "kj_model_load": [TEXT, TEXT, TEXT, p] + text, "kj_model_message": [p] + text,
         "kj_model_options": [p] + text,
         "kj_model_title": [p] + text, "kj_model_warnings": [p] + text,
-        "kj_model_run": [p, p, p], "kj_model_start": [p], "kj_model_advance": [p, REAL],
+        "kj_model_run": [p, p, p], "kj_models_run": [INT, p, p, p, p], "kj_model_start": [p], "kj_model_advance": [p, REAL],
         "kj_model_steps": [p, INT], "kj_model_save": [p, ct.c_size_t, p, p],
         "kj_model_restore": [p, ct.c_size_t, p], "kj_model_sample": [p], "kj_model_status": [p, p],
         "kj_model_channels": [p] + text, "kj_model_shape": [p, TEXT, p, p, p],

@@ -1,6 +1,7 @@
 """A deck and its run."""
 from __future__ import annotations
 
+import contextlib
 import ctypes as ct
 import dataclasses
 import pathlib
@@ -120,6 +121,28 @@ class _Watcher:
                 self.handler(*self.interrupt)
         if self.raised is not None:
             raise self.raised
+
+
+def run_beside(models: Sequence[Model], watch: Watch | None = None) -> list[Error | None]:
+    """Run models side by side, each as run() does and with the same bits; gives what went wrong with
+    each. Small scenes that differ in numbers alone are several times as fast as by run(). watch
+    belongs to all of them.
+
+    >>> import kjoint
+    >>> models = [kjoint.example().model(until=1.0, sample=0.1) for _ in range(3)]
+    >>> kjoint.run_beside(models)
+    [None, None, None]
+    """
+    handles = (ct.c_void_p*len(models))(*(model._handle for model in models))
+    outcome = (INT*len(models))()
+    with contextlib.ExitStack() as stack:
+        for model in models:
+            stack.enter_context(model._alone())
+        watcher = stack.enter_context(_Watcher(watch))
+        tick = TICK(watcher.tick) if watch or watcher.handler else None
+        if LIB.kj_models_run(len(models), handles, tick and ct.cast(tick, ct.c_void_p), None, outcome):
+            raise Error("a model runs already, or is there twice")
+        return [Error(model._message(), status) if status else None for model, status in zip(models, outcome)]
 
 
 class Model(Handle, Samples):

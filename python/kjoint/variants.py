@@ -35,7 +35,7 @@ import numpy.typing as npt
 
 from ._error import Error
 from ._library import iso18571, version
-from .model import Model
+from .model import Model, run_beside
 from .samples import Path
 
 if TYPE_CHECKING:
@@ -216,7 +216,7 @@ class Plan:
         self.deck, self.engine, self.options = str(deck), str(engine) if engine else None, options
         self.names, self.values, self.measures, self.keep = names, values, measures, keep
         self.head = ["variant", *names, *(m.text for m in measures), "cycles", "status"]
-        self.block = max(1, min(64, len(values)//64))      # variants that a thread takes at a time
+        self.block = max(1, min(64, len(values)//32))      # variants that a thread takes at a time
 
     def digest(self) -> str:
         """Of all that decides the rows, included files apart."""
@@ -240,22 +240,36 @@ class Plan:
             model.curve(m.channel)
         return [m.unit(model) for m in self.measures]
 
-    def run(self, k: int, stopped: threading.Event, folder: pathlib.Path | None) -> Row:
-        """Row of variant k from 0: measures, cycles, and what went wrong, else ''."""
-        try:
-            model = Model(self.deck, self.engine, **{**self.options, "set": settings(
-                self.names, self.values[k], self.options.get("set"))})
+    def run(self, numbers: Iterable[int], stopped: threading.Event, folder: pathlib.Path | None) -> dict[int, Row]:
+        """Rows of variants, numbered from 0, that run side by side: measures, cycles, what went wrong, else ''."""
+        models: dict[int, Model] = {}
+        rows: dict[int, Row] = {}
 
-            def watch(status: RunStatus) -> bool:
-                return stopped.is_set()
-
-            model.run(watch=watch)
-            found = [m.of(model["time"], model.curve(m.channel)) for m in self.measures]
-            if folder and k in self.keep:
-                model.write_history(folder / f"variant_{k + 1:05d}.h5")
-            return [*found, model.status.cycle, ""]
-        except Error as error:
+        def failed(error: Error) -> Row:
             return [*[float("nan")]*len(self.measures), 0, str(error).splitlines()[0]]
+
+        def watch(status: RunStatus) -> bool:
+            return stopped.is_set()
+
+        for k in numbers:
+            try:
+                models[k] = Model(self.deck, self.engine, **{**self.options, "set": settings(
+                    self.names, self.values[k], self.options.get("set"))})
+            except Error as error:
+                rows[k] = failed(error)
+        for (k, model), wrong in zip(models.items(), run_beside(list(models.values()), watch)):
+            try:
+                rows[k] = failed(wrong) if wrong else self.row(k, model, folder)
+            except Error as error:
+                rows[k] = failed(error)
+        return rows
+
+    def row(self, k: int, model: Model, folder: pathlib.Path | None) -> Row:
+        """Row of a variant that has run."""
+        found = [m.of(model["time"], model.curve(m.channel)) for m in self.measures]
+        if folder and k in self.keep:
+            model.write_history(folder / f"variant_{k + 1:05d}.h5")
+        return [*found, model.status.cycle, ""]
 
 
 def job() -> str:
@@ -340,12 +354,10 @@ class Store:
         for row in csv.reader(whole.splitlines()):
             self.take(int(row[0]) - 1, [*map(float, row[1:-2]), int(row[-2]), row[-1]])
         writer = csv.writer(file, lineterminator="\n")
-        for k in self.variants(b):
-            if k in self.rows:
-                continue
-            row = self.plan.run(k, stopped, histories)
-            if stopped.is_set():                           # it may have been cut short
-                return
+        rows = self.plan.run((k for k in self.variants(b) if k not in self.rows), stopped, histories)
+        if stopped.is_set():                               # they may have been cut short
+            return
+        for k, row in sorted(rows.items()):
             writer.writerow([k + 1, *map(repr, row[:-1]), row[-1]])
             file.flush()
             self.take(k, row)

@@ -3,10 +3,9 @@
 !> One file: the question is asked nowhere else.
 module kj_scheme
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, fail, add_finding, str, ERR_INPUT, SEV_NOTE, &
+   use kj_error, only: error_t, finding_list_t, fail, add_finding, str, ERR_INPUT, &
       SEV_WARNING
    use kj_block, only: block_of, lane_of
-   use kj_joint_batch, only: has_friction
    use kj_model, only: model_t, joint_title, STOP_BELOW
    use kj_snapshot, only: snapshot_t, inside_t, new_snapshot
    use kj_legacy_state, only: legacy_state_t, new_legacy_state
@@ -14,13 +13,13 @@ module kj_scheme
    use kj_legacy_snapshot, only: show_legacy, show_legacy_clock
    use kj_legacy_inside, only: look_inside_legacy, legacy_stiffness
    use kj_legacy_cost, only: weigh_rotations
-   use kj_legacy_warnings, only: warn_legacy, warn_costs
+   use kj_legacy_warnings, only: warn_costs
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_step, only: place_node
-   use kj_consistent_march, only: march_t, start_march, march, is_too_short, check_state, NEVER, &
-      SPLIT2, RKMK4, COMPLIANT
+   use kj_consistent_march, only: march_t, start_march, march, set_out, is_too_short, check_state, &
+      NEVER, SPLIT2, RKMK4, COMPLIANT
    use kj_consistent_compliant_build, only: make_implicit
    use kj_consistent_islands, only: part_t, cut_scene, march_parts, gather_clock
    use kj_consistent_snapshot, only: show_consistent, show_consistent_clock
@@ -31,8 +30,8 @@ module kj_scheme
    implicit none
    private
 
-   public :: scheme_t, choose_scheme, check_scene, critical_factor, start_scheme, leaves_path, &
-      plan_sample, is_over, show_clock, go_on, finish_scheme, advance_to, &
+   public :: scheme_t, choose_scheme, note, critical_factor, start_scheme, leaves_path, &
+      plan_sample, is_over, show_clock, go_on, begin_way, end_way, finish_scheme, advance_to, &
       show, look_inside, node_place, node_moves, warn_after, NEVER
    public :: load_body, move_body, put_body, lock_place
 
@@ -84,46 +83,7 @@ contains
       self%islands = options%islands
    end subroutine choose_scheme
 
-   !> What the formulation makes of a scene that was just built.
-   !>
-   !> Errors: ERR_INPUT when it has something that does not go with the formulation or integrator.
-   subroutine check_scene(self, model, dt_scale, findings, error)
-      type(scheme_t), intent(in) :: self
-      type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: dt_scale          !! fraction of the critical step asked for; 0: none
-      type(finding_list_t), intent(inout) :: findings
-      type(error_t), allocatable, intent(out) :: error
-
-      if (self%legacy) then
-         call warn_legacy(model%model_t, findings)
-      else
-         if (step_factor(model) < dt_scale) call note(findings, SEV_NOTE, 'KJ-9042', &
-            '--dt-scale is 0.5 at most where stops meet joints with hardly any damping')
-         if (self%integrator == RKMK4) call refuse_path(model%model_t, error)
-      end if
-   end subroutine check_scene
-
-   !> Friction and locks hold a state that only whole steps may change: rkmk4 evaluates between them
-   subroutine refuse_path(model, error)
-      type(model_t), intent(in) :: model
-      type(error_t), allocatable, intent(out) :: error
-
-      integer :: j
-
-      do j = 1, model%n_joint
-         associate (batch => model%batch(model%joint(j)%batch), place => model%joint(j)%place)
-            if (.not. batch%limited) cycle
-            associate (l => batch%limit)
-               if (.not. (l%t_lock(place) < huge(1.0_wp) .or. any(has_friction(l%k(place, :), &
-                  l%slip(place, :), l%slip_curve(place, :))))) cycle
-            end associate
-            call fail(error, ERR_INPUT, 'joint '//joint_title(model, j)// &
-               ' has friction or a lock: these do not go with the integrator rkmk4')
-            return
-         end associate
-      end do
-   end subroutine refuse_path
-
+   !> A finding about a scene or its run
    subroutine note(findings, severity, id, message)
       type(finding_list_t), intent(inout) :: findings
       integer, intent(in) :: severity
@@ -256,22 +216,60 @@ contains
       type(scheme_t), intent(inout) :: self
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: until
       logical :: arrived
 
       self%shown = .false.
+      arrived = .false.
       if (self%legacy) then
          call cycle_on(model%model_t, self, error)
       else
-         until = target_time(model%model_t, self)
-         call march_on(model, self, cycles_ahead(model%model_t, self), until, arrived, error)
-         self%due = arrived .and. (until > self%t_next - NEAR*self%t_next .or. &
-            .not. model%control%sample > 0.0_wp)
+         call march_on(model, self, cycles_ahead(model%model_t, self), &
+            target_time(model%model_t, self), arrived, error)
       end if
-      if (allocated(error)) return
+      if (.not. allocated(error)) call stand(model, self, arrived)
+   end subroutine go_on
+
+   !> Where a scene stands after some cycles
+   subroutine stand(model, self, arrived)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      logical, intent(in) :: arrived            !! of a march: at its target
+
+      if (.not. self%legacy) self%due = arrived .and. (target_time(model%model_t, self) > &
+         self%t_next - NEAR*self%t_next .or. .not. model%control%sample > 0.0_wp)
       call show_clock(model, self)
       call plan_sample(model%model_t, self)
-   end subroutine go_on
+   end subroutine stand
+
+   !> go_on of a march whose steps are taken by somebody else: at most so many, which may be none.
+   !> The scene does not march in parts.
+   subroutine begin_way(model, self, left)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      integer, intent(out) :: left
+
+      real(wp) :: until
+
+      self%shown = .false.
+      until = target_time(model%model_t, self)
+      left = 0
+      if (.not. until > self%state%time) return
+      left = cycles_ahead(model%model_t, self)
+      call set_out(model, until, left, self%march, self%state)
+   end subroutine begin_way
+
+   !> Errors: as go_on
+   subroutine end_way(model, self, error)
+      type(consistent_model_t), intent(in) :: model
+      type(scheme_t), intent(inout) :: self
+      type(error_t), allocatable, intent(out) :: error
+
+      logical :: arrived
+
+      arrived = .not. target_time(model%model_t, self) > self%state%time
+      call check_state(model, self%state, error)
+      if (.not. allocated(error)) call stand(model, self, arrived)
+   end subroutine end_way
 
    !> Cycles between two looks of the monitor
    pure integer function look_cycles(model) result(n)

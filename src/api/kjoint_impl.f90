@@ -18,7 +18,8 @@ submodule (kjoint) kjoint_impl
    use kj_joint_types, only: joint_types
    use kj_model, only: model_t
    use kj_sample, only: new_sampler
-   use kj_scheme, only: choose_scheme, check_scene
+   use kj_scheme, only: choose_scheme
+   use kj_scheme_check, only: check_scene
    use kj_history, only: entity_t
    use kj_shape, only: describe_shape
    use kj_joint_batch, only: blocking_stiffness

@@ -17,9 +17,32 @@ submodule (kjoint) kjoint_run
    character(len=8), parameter :: OWNER_NAME(0:3) = &
       ['none    ', 'node    ', 'body    ', 'joint   ']
 
+   !> How a run under way stands, beside its scene and status
+   type :: course_t
+      real(wp) :: clock = 0.0_wp                 !! when the solver last had the processor
+      logical :: stop = .false., over = .false.  !! by the monitor; all samples are taken
+      logical :: sure = .false.                  !! that it does not take years
+      integer(int8), allocatable :: left(:)      !! state where the steps began to be cut
+   end type course_t
+
 contains
 
    module procedure run_simulation
+      type(course_t) :: course
+
+      call open_run(sim, sink, error)
+      if (allocated(error)) return
+      call begin_run(sim, course, status, error)
+      call run_on(sim, sink, monitor, course, status, error)
+      call end_run(sim, sink, monitor, course, status, error)
+   end procedure run_simulation
+
+   !> A run into a sink, which is open unless there is an error
+   subroutine open_run(sim, sink, error)
+      type(simulation_t), intent(inout) :: sim
+      class(sink_t), intent(inout) :: sink
+      type(error_t), allocatable, intent(out) :: error
+
       call check_loaded(sim, error)
       if (.not. allocated(error)) call refuse_begin(sim, error)
       if (allocated(error)) return
@@ -28,11 +51,39 @@ contains
       if (.not. sim%restored) sim%rows = 0
       sink%rows_before = sim%rows
       call sink%open(sim%history, error)
-      if (allocated(error)) return
-      sim%running = .true.
-      call run_open(sim, sink, monitor, status, error)
-      sim%running = .false.
-   end procedure run_simulation
+      sim%running = .not. allocated(error)
+   end subroutine open_run
+
+   !> The scene at its start
+   subroutine begin_run(sim, course, status, error)
+      type(simulation_t), intent(inout) :: sim
+      type(course_t), intent(out) :: course
+      type(run_status_t), intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+
+      course%clock = wall_clock()
+      if (.not. sim%restored) call start_scheme(sim%model, sim%scheme, error)
+      sim%restored = .false.
+      if (.not. allocated(error)) call refuse_years(sim%model%model_t, sim%scheme, &
+         sim%options%force, status%cycles_to_go, error)
+   end subroutine begin_run
+
+   !> To the end, unless there is an error
+   subroutine run_on(sim, sink, monitor, course, status, error)
+      type(simulation_t), intent(inout) :: sim
+      class(sink_t), intent(inout) :: sink
+      class(monitor_t), intent(inout) :: monitor
+      type(course_t), intent(inout) :: course
+      type(run_status_t), intent(inout) :: status
+      type(error_t), allocatable, intent(inout) :: error
+
+      do while (.not. allocated(error))
+         call visit(sim, sink, monitor, course, status, error)
+         if (course%over .or. allocated(error)) return
+         call go_on(sim%model, sim%scheme, error)
+         if (.not. allocated(error)) call pass(sim, monitor, course, status, error)
+      end do
+   end subroutine run_on
 
    !> A deck is loaded and does not run. Errors: ERR_INPUT
    subroutine check_loaded(sim, error)
@@ -46,23 +97,17 @@ contains
       end if
    end subroutine check_loaded
 
-   !> The run into an open sink
-   subroutine run_open(sim, sink, monitor, status, error)
+   !> What is left to do at the end of a run, with an error or without; the sink is closed
+   subroutine end_run(sim, sink, monitor, course, status, error)
       type(simulation_t), intent(inout) :: sim
       class(sink_t), intent(inout) :: sink
       class(monitor_t), intent(inout) :: monitor
+      type(course_t), intent(inout) :: course
       type(run_status_t), intent(inout) :: status
-      type(error_t), allocatable, intent(out) :: error
+      type(error_t), allocatable, intent(inout) :: error
 
-      real(wp) :: clock
-      logical :: stop, ignored
+      logical :: ignored
 
-      clock = wall_clock()
-      if (.not. sim%restored) call start_scheme(sim%model, sim%scheme, error)
-      sim%restored = .false.
-      if (.not. allocated(error)) call refuse_years(sim%model%model_t, sim%scheme, &
-         sim%options%force, status%cycles_to_go, error)
-      if (.not. allocated(error)) call run_samples(sim, sink, monitor, status, clock, stop, error)
       if (.not. allocated(error)) call finish_scheme(sim%model, sim%scheme, error)
       call tell(sim, status)
       call warn_after(sim%model%model_t, sim%scheme, status%warnings)
@@ -71,13 +116,14 @@ contains
          sim%scheme%integrator == COMPLIANT)) call compliant_steps(sim%model, &
          sim%extremes%gap%value, sim%extremes%turn%value, status%time, status%compliant_steps, &
          status%compliant_error)
-      status%wall_solve = status%wall_solve + wall_clock() - clock
-      clock = wall_clock()
+      status%wall_solve = status%wall_solve + wall_clock() - course%clock
+      course%clock = wall_clock()
       call monitor%tick(status, ignored)
-      call end_history(sink, stop, monitor%stop_code, status%cycle, error)
+      call end_history(sink, course%stop, monitor%stop_code, status%cycle, error)
       if (allocated(sim%row)) deallocate (sim%row)
-      status%wall_output = status%wall_output + wall_clock() - clock
-   end subroutine run_open
+      status%wall_output = status%wall_output + wall_clock() - course%clock
+      sim%running = .false.
+   end subroutine end_run
 
    !> Errors: ERR_INPUT when a run can neither start nor go on from the state that was restored
    subroutine refuse_begin(sim, error)
@@ -145,50 +191,51 @@ contains
       end associate
    end procedure take_state
 
-   !> From sample to sample. Islands stand at the same time at samples alone: stopped between them,
-   !> their history ends at the last one.
-   subroutine run_samples(sim, sink, monitor, status, clock, stop, error)
+   !> What a run does where it stands: a sample where one is due, and at its end. Islands stand at
+   !> the same time at samples alone: stopped between them, their history ends at the last one.
+   subroutine visit(sim, sink, monitor, course, status, error)
       type(simulation_t), intent(inout) :: sim
       class(sink_t), intent(inout) :: sink
       class(monitor_t), intent(inout) :: monitor
+      type(course_t), intent(inout) :: course
       type(run_status_t), intent(inout) :: status
-      real(wp), intent(inout) :: clock           !! when the solver last had the processor
-      logical, intent(out) :: stop               !! the monitor ended the run
       type(error_t), allocatable, intent(out) :: error
 
-      integer(int8), allocatable :: left(:)      !! state where the steps began to be cut
       type(error_t), allocatable :: ignored
-      logical :: over, sure
 
-      stop = .false.
-      sure = .false.
-      associate (s => sim%scheme)
-         do
-            over = is_over(sim%model%model_t, s)
-            call look(sim, monitor)
-            call keep_point(sim, monitor, over .or. stop, status, left, error)
-            if (allocated(error)) return
-            if (s%due .or. over .or. (stop .and. .not. s%apart)) then
-               call add_row(sim, sink, clock, status, error)
-               if (.not. allocated(error)) call check_energy(sim, status, error)
-               if (allocated(error) .and. sim%model%control%stop_saves) then
-                  sim%rows = sim%rows - 1        ! the run that goes on writes this one again
-                  call keep_state(sim, monitor, status, left, ignored)
-               end if
+      associate (s => sim%scheme, c => course)
+         c%over = is_over(sim%model%model_t, s)
+         call look(sim, monitor)
+         call keep_point(sim, monitor, c%over .or. c%stop, status, c%left, error)
+         if (allocated(error)) return
+         if (s%due .or. c%over .or. (c%stop .and. .not. s%apart)) then
+            call add_row(sim, sink, c%clock, status, error)
+            if (.not. allocated(error)) call check_energy(sim, status, error)
+            if (allocated(error) .and. sim%model%control%stop_saves) then
+               sim%rows = sim%rows - 1           ! the run that goes on writes this one again
+               call keep_state(sim, monitor, status, c%left, ignored)
             end if
-            if (over .or. stop .or. allocated(error)) return
-            call go_on(sim%model, s, error)
-            if (.not. (allocated(error) .or. sure) .and. s%now%cycle > 1) then   ! on a full step
-               call refuse_years(sim%model%model_t, s, sim%options%force, status%cycles_to_go, &
-                  error)
-               sure = .true.
-            end if
-            if (allocated(error)) return
-            call tell(sim, status)
-            call monitor%tick(status, stop)
-         end do
+         end if
+         c%over = c%over .or. c%stop
       end associate
-   end subroutine run_samples
+   end subroutine visit
+
+   subroutine pass(sim, monitor, course, status, error)
+      type(simulation_t), intent(inout) :: sim
+      class(monitor_t), intent(inout) :: monitor
+      type(course_t), intent(inout) :: course
+      type(run_status_t), intent(inout) :: status
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. course%sure .and. sim%scheme%now%cycle > 1) then   ! on a full step
+         call refuse_years(sim%model%model_t, sim%scheme, sim%options%force, &
+            status%cycles_to_go, error)
+         course%sure = .true.
+         if (allocated(error)) return
+      end if
+      call tell(sim, status)
+      call monitor%tick(status, course%stop)
+   end subroutine pass
 
    !> Hand the monitor the state where it wants it: the state now, or that from before the steps
    !> were cut to the end of the run, which a longer run does not share

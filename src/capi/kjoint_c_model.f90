@@ -8,7 +8,8 @@ module kjoint_c_model
    use kj_history, only: history_t
    use kj_run_option, only: KIND_NAME
    use kjoint, only: run_options_t, run_options, read_run_options, write_run_options, &
-      simulation_options, run_status_t, monitor_t, load_simulation, run_simulation, &
+      simulation_options, run_status_t, monitor_t, beside_t, load_simulation, run_simulation, &
+      run_simulations, &
       start_simulation, advance_simulation, step_simulation, simulation_status, &
       simulation_history, sample_simulation
    use kjoint_c_base, only: box_t, entered, has_room, hand_out, release, outcome, refuse, &
@@ -17,8 +18,8 @@ module kjoint_c_model
    private
 
    public :: kj_options_list, kj_model_options, kj_model_load, kj_model_free, kj_model_message, &
-      kj_model_title, kj_model_warnings, kj_model_run, kj_model_start, kj_model_advance, &
-      kj_model_step, kj_model_steps, kj_model_sample, kj_model_status
+      kj_model_title, kj_model_warnings, kj_model_run, kj_models_run, kj_model_start, &
+      kj_model_advance, kj_model_step, kj_model_steps, kj_model_sample, kj_model_status
 
    !> kj_run_status
    type, bind(c) :: c_status_t
@@ -26,6 +27,9 @@ module kjoint_c_model
       real(c_double) :: time, time_end, time_step, kinetic, internal, work, energy_error
       integer(c_int) :: n_joint, n_body, n_node, n_sample
    end type c_status_t
+
+   character(len=*), parameter :: RUNS = &
+      'the model runs: a tick may read its status and stop it'
 
    abstract interface
       !> kj_tick
@@ -185,25 +189,90 @@ contains
 
       type(box_t), pointer :: box
       type(c_monitor_t) :: monitor
-      procedure(watch_i), pointer :: call_back
       type(error_t), allocatable :: error
 
       if (.not. entered(model, OF_MODEL, box, status)) return
-      if (c_associated(tick)) then
-         call c_f_procpointer(tick, call_back)
-         monitor%call_back => call_back
-      end if
-      monitor%user = user
       if (box%running) then
-         status = refuse('the model runs: a tick may read its status and stop it', box%message)
+         status = refuse(RUNS, box%message)
          return
       end if
+      call set_watcher(tick, user, monitor)
       box%stepping = .false.
       box%running = .true.
       call run_simulation(box%sim, box%samples, monitor, box%status, error)
       box%running = .false.
       status = outcome(error, box%message)
    end function kj_model_run
+
+   subroutine set_watcher(tick, user, monitor)
+      type(c_funptr), intent(in) :: tick
+      type(c_ptr), intent(in) :: user
+      type(c_monitor_t), intent(out) :: monitor
+
+      procedure(watch_i), pointer :: call_back
+
+      if (c_associated(tick)) then
+         call c_f_procpointer(tick, call_back)
+         monitor%call_back => call_back
+      end if
+      monitor%user = user
+   end subroutine set_watcher
+
+   !> See kjoint.h
+   integer(c_int) function kj_models_run(n, models, tick, user, outcomes) bind(c) &
+      result(status)
+      integer(c_int), value :: n
+      type(c_ptr), intent(in) :: models(*)
+      type(c_funptr), value :: tick
+      type(c_ptr), value :: user
+      integer(c_int), intent(out) :: outcomes(*)
+
+      type(beside_t) :: run(n)
+      type(box_t), pointer :: box
+      type(c_monitor_t) :: monitor
+      integer(c_int) :: ignored
+      integer :: i, k
+      logical :: twice
+
+      do i = 1, n
+         if (.not. entered(models(i), OF_MODEL, box, status)) return
+         if (box%running) then
+            status = refuse(RUNS, box%message)
+            return
+         end if
+         twice = any([(c_associated(models(k), models(i)), k=1, i - 1)])
+         if (twice) then
+            status = refuse('the same model twice', box%message)
+            return
+         end if
+         run(i)%sim => box%sim
+         run(i)%sink => box%samples
+      end do
+      call set_watcher(tick, user, monitor)
+      call mark(.true.)
+      call run_simulations(run, monitor)
+      call mark(.false.)
+      status = OK
+      do i = 1, n
+         if (.not. entered(models(i), OF_MODEL, box, ignored)) cycle
+         box%status = run(i)%status
+         outcomes(i) = outcome(run(i)%error, box%message)
+      end do
+
+   contains
+
+      subroutine mark(running)
+         logical, intent(in) :: running
+
+         integer :: i
+
+         do i = 1, n
+            if (.not. entered(models(i), OF_MODEL, box, ignored)) cycle
+            box%running = running
+            box%stepping = .false.
+         end do
+      end subroutine mark
+   end function kj_models_run
 
    !> See kjoint.h
    integer(c_int) function kj_model_start(model) bind(c) result(status)

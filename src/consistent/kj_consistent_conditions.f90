@@ -16,6 +16,7 @@ module kj_consistent_conditions
 
    public :: project, project_all, count_work, keep_rates, project_rates, hold_rotations, &
       body_matrix, motion_targets, held_force, collect_holds, all_blocked, free_directions
+   public :: motion_target
 
    !> Part of a step that a projection ends
    integer, parameter, public :: FIRST_HALF = 1, SECOND_HALF = 2, WHOLE = 3
@@ -32,30 +33,41 @@ contains
       logical, intent(out) :: active(:)
 
       integer :: i
-      real(wp) :: a, b, moved
 
       do i = 1, size(model%motion)
-         associate (m => model%motion(i))
-            active(i) = state%time >= m%t_start .and. state%time <= m%t_stop
-            if (.not. active(i)) cycle
-            a = (state%time - m%t_sensor)/m%x_scale
-            b = (state%time + h - m%t_sensor)/m%x_scale
-            select case (m%kind)
-            case (IMPOSE_VELOCITY)
-               mean(i) = m%y_scale*m%x_scale*integral(model%curves, m, a, b)/h
-               final(i) = m%y_scale*load_value(model%curves, m%curve, b)
-            case (IMPOSE_DISPLACEMENT)
-               moved = state%motion_at(i)
-               if (m%sensed) moved = m%y_scale*load_value(model%curves, m%curve, a)
-               mean(i) = (m%y_scale*load_value(model%curves, m%curve, b) - moved)/h
-               final(i) = slope_at(model%curves, m, b)
-            case default   ! IMPOSE_ACCELERATION
-               mean(i) = state%motion_at(i) + m%y_scale*m%x_scale**2*moment(model%curves, m, a, b)/h
-               final(i) = state%motion_at(i) + m%y_scale*m%x_scale*integral(model%curves, m, a, b)
-            end select
-         end associate
+         call motion_target(model%curves, model%motion(i), state%motion_at(i), state%time, h, &
+            mean(i), final(i), active(i))
       end do
    end subroutine motion_targets
+
+   !> The same of one motion
+   pure subroutine motion_target(curves, m, at, time, h, mean, final, active)
+      type(curve_set_t), intent(in) :: curves
+      type(motion_t), intent(in) :: m
+      real(wp), intent(in) :: at, time, h        !! at: what it has reached
+      real(wp), intent(inout) :: mean, final
+      logical, intent(out) :: active
+
+      real(wp) :: a, b, moved
+
+      active = time >= m%t_start .and. time <= m%t_stop
+      if (.not. active) return
+      a = (time - m%t_sensor)/m%x_scale
+      b = (time + h - m%t_sensor)/m%x_scale
+      select case (m%kind)
+      case (IMPOSE_VELOCITY)
+         mean = m%y_scale*m%x_scale*integral(curves, m, a, b)/h
+         final = m%y_scale*load_value(curves, m%curve, b)
+      case (IMPOSE_DISPLACEMENT)
+         moved = at
+         if (m%sensed) moved = m%y_scale*load_value(curves, m%curve, a)
+         mean = (m%y_scale*load_value(curves, m%curve, b) - moved)/h
+         final = slope_at(curves, m, b)
+      case default   ! IMPOSE_ACCELERATION
+         mean = at + m%y_scale*m%x_scale**2*moment(curves, m, a, b)/h
+         final = at + m%y_scale*m%x_scale*integral(curves, m, a, b)
+      end select
+   end subroutine motion_target
 
    !> Integral of the curve of a motion from a to b
    pure real(wp) function integral(curves, m, a, b) result(y)

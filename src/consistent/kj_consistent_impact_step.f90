@@ -27,7 +27,7 @@ module kj_consistent_impact_step
    implicit none
    private
 
-   public :: contact_t, step_factor, watch_stops, stop_frequency, windup_step
+   public :: contact_t, step_factor, watch_stops, no_stops, stop_frequency, windup_step
 
    real(wp), parameter :: FINE = 0.05_wp         !! w h while a stop is met: 6e-4 of the energy
    real(wp), parameter :: LASTS = 8.0_wp         !! of 1/w; an impact takes pi to 2 pi of it
@@ -96,6 +96,27 @@ contains
       end do
       contact%h = min(contact%h_stop, contact%h_wind)
    end subroutine watch_stops
+
+   !> Later than at the start: renewing would change nothing
+   pure logical function no_stops(model, state, h, steps, contact) result(none)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      real(wp), intent(in) :: h                  !! step without them
+      integer, intent(in) :: steps               !! until the next look
+      type(contact_t), intent(in) :: contact
+
+      integer :: b, i
+
+      none = .not. (contact%h_stop < huge(1.0_wp) .and. state%time >= contact%until) .and. &
+         .not. (contact%h_wind < huge(1.0_wp) .and. state%time >= contact%until_wind)
+      do b = 1, size(model%batch)
+         if (.not. model%batch(b)%limited) cycle
+         do i = 1, model%batch(b)%n
+            if (none) none = .not. meets_stop(model%batch(b), state%joint(b), i, &
+               MARGIN*(steps*min(h, 1.0e30_wp)))
+         end do
+      end do
+   end function no_stops
 
    !> What friction asks for at the start
    subroutine watch_windup(model, state, h, contact)

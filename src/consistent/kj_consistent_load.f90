@@ -79,7 +79,8 @@ contains
       force = load%y_scale*load_value(model%curves, load%curve, x/load%x_scale)*axis
    end function load_vector
 
-   !> Acceleration of each card of gravity in the pose reached, and its mean over the step
+   !> Acceleration of each card of gravity in the pose reached, and its mean over the step; one that
+   !> is constant is found at the start
    pure subroutine find_gravity(model, state)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
@@ -88,6 +89,7 @@ contains
       integer :: i
 
       do i = 1, size(model%gravity)
+         if (model%steady(i) .and. state%cycle > 0) cycle
          g = field_at(model, state, model%gravity(i))
          state%field(i)%mean = 0.5_wp*(g + state%field(i)%now)
          state%field(i)%now = g

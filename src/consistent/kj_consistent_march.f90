@@ -16,7 +16,7 @@ module kj_consistent_march
    use kj_consistent_conditions, only: held_force
    use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound, has_moved
    use kj_consistent_nodal_step, only: nodal_bound
-   use kj_consistent_impact_step, only: contact_t, watch_stops
+   use kj_consistent_impact_step, only: contact_t, watch_stops, no_stops
    use kj_consistent_load, only: field_at
    use kj_consistent_step, only: split_step
    use kj_consistent_rkmk, only: rkmk_step
@@ -26,10 +26,11 @@ module kj_consistent_march
 
    public :: march_t, start_march, march, is_too_short, change_limits, balance_ledger, &
       close_ledger, check_state
+   public :: set_out, spell, count_steps, is_calm, look_ahead, arrive
 
    integer, parameter, public :: SPLIT2 = 1, LIEMID = 2, RKMK4 = 3, &
       COMPLIANT = 4                               !! integrators
-   integer, parameter :: LOOK = 8                !! steps between two looks at the bound
+   integer, parameter, public :: LOOK = 8        !! steps between two looks at the bound
    real(wp), parameter, public :: NEVER = huge(1.0_wp)   !! a time to march to
    ! sums over leads do not depend on threads: parts of SUMMED leads, WINDOW of them at a time
    integer, parameter :: SUMMED = 64, WINDOW = 64
@@ -161,36 +162,84 @@ contains
          return
       end if
       left = steps
-      if (self%left == 0 .or. abs(t_end - self%t_end) > 0.0_wp) then
-         if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
-            call change_step(model, self%first, state)
-            call take_steps(model, self%integrator, self%first, 1, state)
-            left = left - 1
-         end if
-         self%t_end = t_end
-         self%since = 0
-         call watch_stops(model, state, self%limit, LOOK, self%contact)
-         call divide_way(model, self, state)
-      end if
+      call set_out(model, t_end, left, self, state)
       do while (left > 0)
-         now = min(left, self%left, LOOK - self%since)
+         now = spell(self, left)
          call take_steps(model, self%integrator, self%h, now, state)
-         left = left - now
-         if (self%t_end < NEVER) self%left = self%left - now
-         self%since = self%since + now
-         self%age = self%age + now
-         arrived = self%left == 0
+         call count_steps(now, left, self, arrived)
          if (arrived) exit
          if (self%since == LOOK) call look_ahead(model, self, state)
          if (is_too_short(model%model_t, self)) exit
       end do
-      if (.not. arrived) return
-      state%time = t_end
+      if (arrived) call arrive(model, self, state)
+   end subroutine march
+
+   !> Begin a way to t_end, or go on with it
+   subroutine set_out(model, t_end, left, self, state)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: t_end
+      integer, intent(inout) :: left             !! steps that may be taken
+      type(march_t), intent(inout) :: self
+      type(consistent_state_t), intent(inout) :: state
+
+      if (self%left > 0 .and. abs(t_end - self%t_end) <= 0.0_wp) return
+      if (state%cycle == 0 .and. self%first < min(self%limit, t_end - state%time)) then
+         call change_step(model, self%first, state)
+         call take_steps(model, self%integrator, self%first, 1, state)
+         left = left - 1
+      end if
+      self%t_end = t_end
+      self%since = 0
+      call watch_stops(model, state, self%limit, LOOK, self%contact)
+      call divide_way(model, self, state)
+   end subroutine set_out
+
+   !> Steps of self%h until something is to be looked at
+   pure integer function spell(self, left) result(n)
+      type(march_t), intent(in) :: self
+      integer, intent(in) :: left                !! steps that may be taken
+
+      n = min(left, self%left, LOOK - self%since)
+   end function spell
+
+   !> So many steps are taken; arrived: the way is done
+   pure subroutine count_steps(n, left, self, arrived)
+      integer, intent(in) :: n
+      integer, intent(inout) :: left
+      type(march_t), intent(inout) :: self
+      logical, intent(out) :: arrived
+
+      left = left - n
+      if (self%t_end < NEVER) self%left = self%left - n
+      self%since = self%since + n
+      self%age = self%age + n
+      arrived = self%left == 0
+   end subroutine count_steps
+
+   !> At the end of the way: a new limit for the next one
+   subroutine arrive(model, self, state)
+      type(consistent_model_t), intent(in) :: model
+      type(march_t), intent(inout) :: self
+      type(consistent_state_t), intent(inout) :: state
+
+      state%time = self%t_end
       if (self%age < LOOK) return
       self%age = 0
       call renew_bound(model, state, self%bound)
       call take_limit(model, state, self)
-   end subroutine march
+   end subroutine arrive
+
+   !> look_ahead would change nothing; of the state it reads time, coordinates and rates of joints
+   !> and the axes of springs
+   pure logical function is_calm(model, self, state) result(calm)
+      type(consistent_model_t), intent(in) :: model
+      type(march_t), intent(in) :: self
+      type(consistent_state_t), intent(in) :: state
+
+      calm = .not. (self%starting .and. state%time >= self%start_end)
+      if (calm) calm = no_stops(model, state, self%limit, LOOK, self%contact)
+      if (calm) calm = .not. has_moved(model, state, self%bound)
+   end function is_calm
 
    !> Do the steps still hold where the scene is now?
    subroutine look_ahead(model, self, state)

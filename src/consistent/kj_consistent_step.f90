@@ -6,6 +6,7 @@ module kj_consistent_step
    use kj_block, only: BLOCK
    use kj_skew, only: move_skews
    use kj_lead_map, only: sum_hubs
+   use kj_model, only: motion_t, IMPOSE_DISPLACEMENT
    use kj_consistent_springs, only: add_springs
    use kj_consistent_dampers, only: add_dampers
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -15,7 +16,8 @@ module kj_consistent_step
    implicit none
    private
 
-   public :: split_step, find_forces, place_node, place_nodes, reach_motions
+   public :: split_step, step_on, find_forces, place_node, place_nodes, reach_motions, &
+      reach_motion
 
    !> What threads do with pieces of leads: one thing or the sum of several, in this order
    integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 4, WEIGH = 8, LOOK = 16, KICKING = 32
@@ -38,10 +40,6 @@ contains
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
-      type(step_t) :: step
-
-      step%midpoint = midpoint
-      step%h = h
       state%h = h
       if (size(model%motion) > 0) then
          call motion_targets(model, state, h, state%mean, state%final, state%active)
@@ -50,8 +48,22 @@ contains
       state%cycle = min(state%cycle, huge(state%cycle) - 1) + 1     ! no more can be counted
       state%time = state%time + h
       call set_clock(model, h, state)
-      call to_new_pose(MOVE, KICKING, model, step, state)
+      call step_on(model, midpoint, state)
    end subroutine split_step
+
+   !> The same from poses%time - poses%h to poses%time, by itself: motions and clock of the state
+   !> are left to others
+   subroutine step_on(model, midpoint, state)
+      type(consistent_model_t), intent(in) :: model
+      logical, intent(in) :: midpoint                !! liemid instead of split2
+      type(consistent_state_t), intent(inout) :: state
+
+      type(step_t) :: step
+
+      step%midpoint = midpoint
+      step%h = state%h
+      call to_new_pose(MOVE, KICKING, model, step, state)
+   end subroutine step_on
 
    !> Forces and moments of all leads in the pose reached. h = 0: at the start, dampers from the
    !> velocities as they are.
@@ -235,14 +247,22 @@ contains
       integer :: i
 
       do i = 1, size(model%motion)
-         if (.not. active(i)) cycle
-         if (model%motion(i)%kind == 2) then
-            state%motion_at(i) = state%motion_at(i) + h*mean(i)
-         else
-            state%motion_at(i) = final(i)
-         end if
+         if (active(i)) call reach_motion(model%motion(i), h, mean(i), final(i), state%motion_at(i))
       end do
    end subroutine reach_motions
+
+   !> The same of one motion that acts
+   pure subroutine reach_motion(motion, h, mean, final, at)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: h, mean, final
+      real(wp), intent(inout) :: at
+
+      if (motion%kind == IMPOSE_DISPLACEMENT) then
+         at = at + h*mean
+      else
+         at = final
+      end if
+   end subroutine reach_motion
 
    !> Positions of the nodes that loads and skews read, and the skews
    subroutine place_nodes(model, state)

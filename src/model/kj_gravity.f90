@@ -17,6 +17,8 @@ module kj_gravity
       real(wp) :: now(3) = 0.0_wp                !! acceleration at t(n), W
       real(wp) :: mean(3) = 0.0_wp               !! over the step that led there
       real(wp), allocatable :: power(:)          !! (blocks) of the mean acceleration
+      !> (entries, 3) acceleration of each lead, where it is not the same for all
+      real(wp), allocatable :: each(:, :)
    end type gravity_t
 
 contains
@@ -67,13 +69,16 @@ contains
       type(gravity_t), intent(in) :: self
       real(wp), intent(inout) :: f(n_lead, 3), own(n_lead, 3)
 
+      real(wp) :: weight
       integer :: i, j, k
 
-      do k = self%to((lo - 1)/BLOCK) + 1, self%to((hi + BLOCK - 1)/BLOCK)
-         i = self%lead(k)
-         do j = 1, 3
-            f(i, j) = f(i, j) + mass(i)*self%now(j)
-            own(i, j) = own(i, j) + mass(i)*self%now(j)
+      do j = 1, 3
+         do k = self%to((lo - 1)/BLOCK) + 1, self%to((hi + BLOCK - 1)/BLOCK)
+            i = self%lead(k)
+            weight = mass(i)*self%now(j)
+            if (allocated(self%each)) weight = mass(i)*self%each(k, j)
+            f(i, j) = f(i, j) + weight
+            own(i, j) = own(i, j) + weight
          end do
       end do
    end subroutine add_weights
