@@ -1,5 +1,6 @@
 !> Room for scenes side by side (kj_consistent_lanes)
 module kj_consistent_lanes_build
+   use kj_kinds, only: wp
    use kj_block, only: BLOCK, block_of, lane_of
    use kj_joint_batch, only: joint_batch_t
    use kj_lead_map, only: build_lead_map, N_SUM
