@@ -177,7 +177,7 @@ int kj_model_run(kj_model *model, kj_tick tick, void *user);
 
 /* n models, each as kj_model_run does and with the same bits; outcome[i] is what that would return.
  * Small scenes that differ in numbers alone, such as variants of a deck, take their steps together,
- * which is several times as fast. KJ_INPUT, and nothing runs, when a model runs already or is there
+ * which is faster. KJ_INPUT, and nothing runs, when a model runs already or is there
  * twice. */
 int kj_models_run(int n, kj_model *const *models, kj_tick tick, void *user, int *outcome);
 

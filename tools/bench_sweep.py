@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a sweep gains over a loop of runs, and what it costs beside one large scene.
 
-usage: bench_sweep.py KJOINT [--variants N] [--large N] [--rounds N]
+usage: bench_sweep.py KJOINT [--variants N] [--large N] [--rounds N]      (of a build folder that has libkjoint_c.so)
 
 A chain of 10 joints whose stiffness varies, about 2000 cycles each, in turns: a loop of `kjoint run`,
 two at a time; `kjoint sweep --threads 2`; sweeps of one thread by one and two ranks; a chain of many joints on
@@ -15,6 +15,7 @@ import pathlib
 import resource
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -44,13 +45,14 @@ def measure(kjoint, folder, n, large):
     text = deck.read_text().replace(f"{bench_scenes.KN:20.12g}", NAME)
     assert text.count(NAME) == 10
     deck.write_text(text.replace("/NODE\n", "/PARAMETER/GLOBAL/REAL/1\nstiffness\nstiff" + "1e6".rjust(25) + "\n/NODE\n", 1))
-    (folder / "all.csv").write_text("stiff\n" + "".join(f"{1e6 + 10*k}\n" for k in range(n)))
+    stiff = [1e6 + 1e5*k/n for k in range(n)]
+    (folder / "all.csv").write_text("stiff\n" + "".join(f"{k}\n" for k in stiff))
     bench_scenes.write("chain", large, folder / "large")
     run = ["--until", UNTIL, "-q"]
     sweep = [kjoint, "sweep", deck, *run, "--every", EVERY, "--table", folder / "all.csv", "--measure", "joint/force[1].norm:max"]
     times = {}
-    times["loop"] = timed(*([kjoint, "run", deck, *run, "--sample", EVERY, "--set", f"stiff={1e6 + 10*k}", "-o", folder / f"{k}.h5"]
-                            for k in range(n)), at_a_time=2)
+    times["loop"] = timed(*([kjoint, "run", deck, *run, "--sample", EVERY, "--set", f"stiff={k}", "-o", folder / f"{i}.h5"]
+                            for i, k in enumerate(stiff)), at_a_time=2)
     times["sweep"] = timed([*sweep, "--threads", 2, "-o", folder / "s.csv"])
     with open(folder / "s.csv") as file:
         cycles = sum(int(line.split(",")[-2]) for line in list(file)[1:])
@@ -70,10 +72,14 @@ def measure(kjoint, folder, n, large):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("kjoint", type=pathlib.Path)
-    parser.add_argument("--variants", type=int, default=500)
-    parser.add_argument("--large", type=int, default=100000)
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--variants", type=int, default=256)
+    parser.add_argument("--large", type=int, default=30000)
+    parser.add_argument("--rounds", type=int, default=1)
     given = parser.parse_args()
+    os.environ.setdefault("KJOINT_PYTHON", sys.executable)
+    os.environ.setdefault("KJOINT_LIBRARY", str(given.kjoint.resolve().parent / "libkjoint_c.so"))
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(pathlib.Path(__file__).resolve().parent.parent / "python"),
+                                                             os.environ.get("PYTHONPATH"))))
     with tempfile.TemporaryDirectory() as folder:
         rounds = [measure(given.kjoint.resolve(), pathlib.Path(folder), given.variants, given.large) for _ in range(given.rounds)]
     for what in rounds[0]:

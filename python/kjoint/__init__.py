@@ -4,7 +4,7 @@ Mechanism  builds a mechanism in a few lines and runs it
 Model      a Radioss deck: run it, or step, ask and change it
 Run        a history file or a T01, with names, units and labels
 Joints     joints as elements of a host that owns nodes, masses and time
-sweep      many variants of a deck, by its /PARAMETER: an xarray.Dataset
+sweep      many variants of a deck, by its /PARAMETER: an xarray.Dataset; run_beside: models side by side
 kjoint.fit holds fit: values of /PARAMETER that meet targets
 example    a pendulum to try things on; options(), version()
 

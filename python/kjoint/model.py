@@ -125,7 +125,7 @@ class _Watcher:
 
 def run_beside(models: Sequence[Model], watch: Watch | None = None) -> list[Error | None]:
     """Run models side by side, each as run() does and with the same bits; gives what went wrong with
-    each. Small scenes that differ in numbers alone are several times as fast as by run(). watch
+    each. Small scenes that differ in numbers alone take their steps together, which is faster. watch
     belongs to all of them.
 
     >>> import kjoint

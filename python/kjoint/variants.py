@@ -216,7 +216,8 @@ class Plan:
         self.deck, self.engine, self.options = str(deck), str(engine) if engine else None, options
         self.names, self.values, self.measures, self.keep = names, values, measures, keep
         self.head = ["variant", *names, *(m.text for m in measures), "cycles", "status"]
-        self.block = max(1, min(64, len(values)//32))      # variants that a thread takes at a time
+        self.block = max(1, min(64, len(values)//32))      # variants that a thread claims at a time
+        self.at_once = 1                                   # and that it runs side by side
 
     def digest(self) -> str:
         """Of all that decides the rows, included files apart."""
@@ -235,6 +236,8 @@ class Plan:
             if "KJ-9407" in str(error):                    # no such parameter
                 raise
             model = Model(self.deck, self.engine, **self.options)
+        if model.options.get("integrator") in ("split2", "liemid") and len(model.joints) <= 64:
+            self.at_once = self.block
         model.start().sample()
         for m in self.measures:
             model.curve(m.channel)
@@ -354,15 +357,17 @@ class Store:
         for row in csv.reader(whole.splitlines()):
             self.take(int(row[0]) - 1, [*map(float, row[1:-2]), int(row[-2]), row[-1]])
         writer = csv.writer(file, lineterminator="\n")
-        rows = self.plan.run((k for k in self.variants(b) if k not in self.rows), stopped, histories)
-        if stopped.is_set():                               # they may have been cut short
-            return
-        for k, row in sorted(rows.items()):
-            writer.writerow([k + 1, *map(repr, row[:-1]), row[-1]])
+        missing = [k for k in self.variants(b) if k not in self.rows]
+        for first in range(0, len(missing), self.plan.at_once):
+            rows = self.plan.run(missing[first:first + self.plan.at_once], stopped, histories)
+            if stopped.is_set():                           # they may have been cut short
+                return
+            for k, row in sorted(rows.items()):
+                writer.writerow([k + 1, *map(repr, row[:-1]), row[-1]])
+                self.take(k, row)
+                if told:
+                    told(len(self.rows), len(self.plan.values))
             file.flush()
-            self.take(k, row)
-            if told:
-                told(len(self.rows), len(self.plan.values))
 
     def take(self, k: int, row: Row) -> None:
         with self.lock:

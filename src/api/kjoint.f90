@@ -216,7 +216,7 @@ module kjoint
 
       !> Run loaded scenes to their ends, each as run_simulation does and with the same bits. Where
       !> small scenes differ in numbers alone, such as variants of a deck, they take their steps
-      !> together, which is several times as fast.
+      !> together, which is faster.
       module subroutine run_simulations(run, monitor)
          type(beside_t), intent(inout) :: run(:)
          class(monitor_t), intent(inout) :: monitor   !! of all

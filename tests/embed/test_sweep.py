@@ -32,6 +32,8 @@ MPIRUN = shutil.which("mpirun")
 
 
 class Folder(unittest.TestCase):
+    formulation = "legacy"                                 # of start()
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -49,7 +51,7 @@ class Folder(unittest.TestCase):
     def start(self, *words, before=(), **options):
         """`kjoint sweep` of 200 variants into sweep.h5, under way."""
         return subprocess.Popen([*before, KJOINT, "sweep", self.deck, "--vary", "spring=0:80:200", "--measure", TURN,
-                                 "--until", "0.2", "--every", "1e-3", "--formulation", "legacy", "--reproducible", "-o", self.folder / "sweep.h5",
+                                 "--until", "0.2", "--every", "1e-3", "--formulation", self.formulation, "--reproducible", "-o", self.folder / "sweep.h5",
                                  *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
 
     def finished(self, process, code=0):
@@ -118,6 +120,51 @@ class Sweeps(Folder):
         # blows up at fifty times its critical step, within the energy limit of a run
         table = sweep(self.deck, {"spring": [40.0]}, ["internal_energy:final"], dt_scale=50.0, energy_limit=15.0, **OPTIONS)
         self.assertRegex(table["status"].values[0], "energy|finite|step")
+
+        # among others that march beside it
+        stiff = [1e6 + 1e4*k for k in range(96)]
+        stiff[50] = -1.0
+        options = dict(until=0.02, sample=1e-3)
+        table = sweep(self.deck, {"stiff": stiff}, [TURN], **options)
+        self.assertEqual([50], [k for k, text in enumerate(table["status"].values) if text])
+        alone = [sweep(self.deck, {"stiff": [stiff[k]]}, [TURN], **options)[TURN].values[0] for k in (49, 51)]
+        np.testing.assert_array_equal(alone, table[TURN].values[[49, 51]])
+
+    def test_scenes_side_by_side_have_the_bits_that_they_have_alone(self):
+        """Each with its own step, more of them than places; stops that are met, a driven joint, springs; scenes that end
+        early, one that blows up, one that is none of theirs."""
+        for name in ("door_hinge", "slider_tolerance", "spring_mount"):
+            subprocess.run([KJOINT, "new", name], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+        door = self.folder / "door_hinge_0000.rad"
+        for deck, n, options in ((self.deck, 70, dict(until=0.02, sample=1e-3)), (door, 12, {}),
+                                 (self.folder / "slider_tolerance_0000.rad", 5, dict(until=0.01, sample=1e-4)),
+                                 (self.folder / "spring_mount_0000.rad", 5, dict(until=0.1, sample=1e-2))):
+            def models():
+                made = [kjoint.Model(deck, **{**options, "dt_scale": 0.9 - 0.7*k/n}) for k in range(n)]
+                if deck == self.deck:
+                    made[7] = kjoint.Model(deck, **{**options, "dt_scale": 50.0})
+                    made[8] = kjoint.Model(deck, **{**options, "until": 0.004})
+                    made[9] = kjoint.Model(door, until=0.1, sample=0.01)
+                return made
+
+            beside, alone = models(), models()
+            found = kjoint.run_beside(beside)
+            self.assertEqual([7] if deck == self.deck else [], [k for k, error in enumerate(found) if error])
+            for k, (a, b) in enumerate(zip(beside, alone)):
+                if found[k]:
+                    with self.assertRaises(kjoint.Error) as error:
+                        b.run()
+                    self.assertEqual(str(error.exception), str(found[k]))
+                else:
+                    b.run()
+                self.assertEqual(b.status.cycle, a.status.cycle)
+                for channel in b.channels:
+                    np.testing.assert_array_equal(b[channel], a[channel], err_msg=f"{deck} {k} {channel}")
+            self.assertGreater(len({model.status.cycle for model in alone}), 1)
+            if deck == door:                               # the stop lies at 90 degrees
+                self.assertGreater(max(abs(b["joint/rotation"]).max() for b in alone), np.pi/2)
+        with self.assertRaisesRegex(kjoint.Error, "twice"):
+            kjoint.run_beside([beside[0], beside[0]])
 
     def test_what_no_variant_could_do_is_an_error(self):
         for vary, measure, word in (({"nothing": [1]}, "mass:max", "no parameter"), ({"spring": [1]}, "joint/nothing[900]:max", "nothing"),
@@ -196,8 +243,12 @@ class Sweeps(Folder):
 
 class Killed(Folder):
     def test_a_job_that_is_killed_goes_on(self):
-        wanted = self.whole()
-        for blow in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT):
+        for blow in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, "side by side"):
+            if blow == signal.SIGKILL:
+                wanted = self.whole()
+            if blow == "side by side":
+                self.formulation, blow = "consistent", signal.SIGKILL
+                wanted = self.whole()
             process = self.start("--threads", "2")
             done = self.wait_for_rows(20)
             process.send_signal(blow)
