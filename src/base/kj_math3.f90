@@ -53,7 +53,7 @@ contains
    !> sin(a)/a and (1 - cos a)/a^2 from a^2, for a block: series below a = 1/4 (error under 1e-17),
    !> libm above. An element's bits do not depend on its neighbours.
    pure subroutine turn_coefficients(n, a2, s, c)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: a2(n)             !! squares of the angles [rad^2]
       real(wp), intent(out) :: s(n), c(n)
 
@@ -83,7 +83,7 @@ contains
    !> atan t = pi/4 + atan((t - 1)/(t + 1)); there atan t = t - t^3 P(t^2), P the Chebyshev fit of
    !> degree 10 (error 5e-18 of the angle).
    pure subroutine angles(n, y, x, a)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: y(n), x(n)
       real(wp), intent(out) :: a(n)             !! [rad]; 0 where x and y are
 
@@ -110,7 +110,7 @@ contains
 
    !> x := a^-1 x of the first n unknowns, by elimination; ok is false for a singular matrix
    pure subroutine solve_small(n, a, x, ok)
-      integer, intent(in) :: n                  !! 1 to 3
+      integer, value :: n                  !! 1 to 3
       real(wp), intent(in) :: a(3, 3)
       real(wp), intent(inout) :: x(3)
       logical, intent(out) :: ok
@@ -180,7 +180,7 @@ contains
    !> The same of a block of rotation matrices without a branch: of the four multiples of each
    !> quaternion that a matrix has, that of the largest component (Shepperd)
    pure subroutine to_quaternions(n, r, q)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: r(n, 9)           !! their columns
       real(wp), intent(out) :: q(n, 4)
 

@@ -103,7 +103,7 @@ contains
    !> Space turn h L/It of symmetric bodies (0 for others), and the share of each plane rotation
    pure subroutine symmetric_part(model, from, n, h, l, space, part)
       type(consistent_model_t), intent(in) :: model
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: h(BLOCK), l(BLOCK, 3)
       real(wp), intent(out) :: space(BLOCK, 3), part(BLOCK, 3)
 
@@ -129,7 +129,7 @@ contains
 
    !> q := Exp(phi) q
    pure subroutine turn_in_space(n, phi, q)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: phi(BLOCK, 3)
       real(wp), intent(inout) :: q(BLOCK, 4)
 
@@ -159,7 +159,7 @@ contains
 
    !> Turn about body axis a by share*h*l_a/I_a: q := q (c, s e_a), and l stays the same in space
    pure subroutine plane_turn(n, a, h, share, ii, q, l)
-      integer, intent(in) :: n, a
+      integer, value :: n, a
       real(wp), intent(in) :: h(n), share(n), ii(n)
       real(wp), intent(inout) :: q(BLOCK, 4), l(BLOCK, 3)
 
@@ -194,7 +194,7 @@ contains
 
    !> b = a in body axes: turned by the conjugate of q
    pure subroutine conjugate_turn(n, q, a, b)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q(BLOCK, 4), a(BLOCK, 3)
       real(wp), intent(out) :: b(BLOCK, 3)
 
@@ -261,7 +261,7 @@ contains
    pure subroutine spin_block(model, quat, from, n, l, w)
       type(consistent_model_t), intent(in) :: model
       real(wp), contiguous, intent(in) :: quat(:, :)
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: l(BLOCK, 3)
       real(wp), contiguous, intent(inout) :: w(:, :)
 

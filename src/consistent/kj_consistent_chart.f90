@@ -26,7 +26,7 @@ contains
 
    !> Triads carried by the two bodies and the turn between them: p = conj(t1) t2
    pure subroutine relative_pose(n, q1, q2, c1, c2, t1, t2, p)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q1(BLOCK, 4), q2(BLOCK, 4)    !! attitude of the bodies
       real(wp), intent(in) :: c1(BLOCK, 4), c2(BLOCK, 4)    !! triads in body axes
       real(wp), intent(out) :: t1(BLOCK, 4), t2(BLOCK, 4)   !! triads, W
@@ -47,7 +47,7 @@ contains
 
    !> c = a b
    pure subroutine multiply(n, a, b, c)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: a(BLOCK, 4), b(BLOCK, 4)
       real(wp), intent(out) :: c(BLOCK, 4)
 
@@ -64,7 +64,7 @@ contains
 
    !> Columns of the rotation matrix of a unit quaternion
    pure subroutine quaternion_frame(n, q, e)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q(BLOCK, 4)
       real(wp), intent(out) :: e(BLOCK, 9)
 
@@ -91,7 +91,7 @@ contains
 
    !> Translations in the frame of body 1, which takes the whole couple
    pure subroutine first_skew(n, t1, r, e, a1)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: t1(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9)
 
@@ -105,7 +105,7 @@ contains
 
    !> y = r x e
    pure subroutine couple(n, r, e, y)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: r(BLOCK, 3), e(BLOCK, 3)
       real(wp), intent(out) :: y(BLOCK, 3)
 
@@ -137,7 +137,7 @@ contains
 
    !> An angle of each joint on the branch nearest to the last one
    pure subroutine count_turns(n, angle, last)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: angle(BLOCK)          !! but for whole turns
       real(wp), intent(inout) :: last(BLOCK)        !! last angle in, new one out
 
@@ -153,7 +153,7 @@ contains
    !> turns, theta_y = 2 py, theta_z = 2 pz. Gives the mean frame E = E1 h s^1/2 and its couples
    !> too.
    pure subroutine twist_chart(n, mean, t1, p, r, theta, e, a1, rot)
-      integer, intent(in) :: n
+      integer, value :: n
       !> fill e, a1 (else they are those of first_skew)
       logical, intent(in) :: mean
       real(wp), intent(in) :: t1(BLOCK, 4), r(BLOCK, 3)
@@ -192,7 +192,7 @@ contains
    !> Twist of p nearest to the last one, the other two angles, and cos(swing/2); p gets the sign
    !> that goes with the twist
    pure subroutine unwrap(n, p, theta, s0)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(inout) :: p(BLOCK, 4), theta(BLOCK, 3)
       real(wp), intent(out) :: s0(BLOCK)
 
@@ -217,7 +217,7 @@ contains
    !> Frame E = D s^1/2 with s = (s0, 0, py, pz), and couples on the bodies when E turns with
    !> w_E = w1 + H (w2 - w1): H^T y on body 2 and y - H^T y on body 1, y = r x e_k
    pure subroutine mean_twist(n, d, p, s0, r, rot, e, a1)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: d(BLOCK, 9), p(BLOCK, 4), s0(BLOCK), r(BLOCK, 3), rot(BLOCK, 9)
       real(wp), intent(out) :: e(BLOCK, 9), a1(BLOCK, 9)
 
@@ -270,7 +270,7 @@ contains
    !> Mean translations: A1^T = 1/2 - 1/2 tan(a/4) [n], A2^T = 1/2 + 1/2 tan(a/4) [n]. That is
    !> singular at a whole turn; joints whose translations need no frame (plain) take that of body 1.
    pure subroutine vector_chart(n, mean, plain, t1, p, r, theta, e, a1, rot, em)
-      integer, intent(in) :: n
+      integer, value :: n
       logical, intent(in) :: mean                   !! fill e, a1
       real(wp), intent(in) :: plain(BLOCK)          !! 1 for a plain joint, else 0
       real(wp), intent(in) :: t1(BLOCK, 4), p(BLOCK, 4), r(BLOCK, 3)
@@ -309,7 +309,7 @@ contains
    !> Couples of the mean frame of three free rotations: half of r x e each, and t n x (r x e)/2
    !> more on body 2 than on body 1, t = tan(a/4)
    pure subroutine mean_vector(n, plain, axis, t, r, e, a1)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: plain(BLOCK)          !! 1 for a plain joint, else 0
       real(wp), intent(in) :: axis(BLOCK, 3)        !! n, W
       real(wp), intent(in) :: t(BLOCK), r(BLOCK, 3), e(BLOCK, 9)
@@ -333,7 +333,7 @@ contains
 
    !> Rotation vector a*axis of p nearest to the last vector; axis (1, 0, 0) for no turn at all
    pure subroutine nearest_vector(n, p, theta, axis, half, g, t)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: p(BLOCK, 4)
       real(wp), intent(inout) :: theta(BLOCK, 3)    !! last vector in, new one out
       real(wp), intent(out) :: axis(BLOCK, 3)
@@ -380,7 +380,7 @@ contains
    !> Axes of a block of springs and the couple on body 1 of a unit force along each, as the
    !> charts of joints have them (consistent formulation)
    pure subroutine spring_axes(n, frame, fixed, t1, t2, r, e, a1)
-      integer, intent(in) :: n
+      integer, value :: n
       integer, intent(in) :: frame               !! FRAME_ constant of springs
       real(wp), intent(in) :: fixed(BLOCK, 9)    !! axes of FRAME_FIXED, W
       real(wp), intent(in) :: t1(BLOCK, 4), t2(BLOCK, 4)   !! triads that the ends carry, W

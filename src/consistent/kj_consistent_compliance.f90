@@ -18,7 +18,7 @@ contains
    pure subroutine end_inertias(batch, poses, from, n, im, ij1, ij2)
       type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(out) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)
 
       integer :: i, k, lead1, lead2
@@ -37,7 +37,7 @@ contains
 
    !> S = B M^-1 B^T of each joint, lower triangle by rows: s11, s21, s22, s31, ...
    pure subroutine compliance(n, on, b, im, ij1, ij2, s)
-      integer, intent(in) :: n
+      integer, value :: n
       logical, intent(in) :: on(NDOF)            !! rows and columns that are wanted
       type(matrix_t), intent(in) :: b
       real(wp), intent(in) :: im(BLOCK, 2)
@@ -104,7 +104,7 @@ contains
 
    !> y = J^-1 b for three vectors
    pure subroutine weigh(n, on, ij, b, y)
-      integer, intent(in) :: n
+      integer, value :: n
       logical, intent(in) :: on(3)               !! vectors that are wanted
       real(wp), intent(in) :: ij(BLOCK, 6), b(BLOCK, 9)
       real(wp), intent(out) :: y(BLOCK, 9)
@@ -128,7 +128,7 @@ contains
    !> trace, squared seven times, gives p = 256, for all joints of the block at once. LAPACK takes
    !> one matrix a call, which costs more than a cycle.
    pure subroutine eigenvalues_from_above(n, s, k, lambda)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: s(BLOCK, 21)       !! lower triangles by rows
       real(wp), intent(in) :: k(BLOCK, 6)        !! >= 0
       real(wp), intent(out) :: lambda(BLOCK)
@@ -178,7 +178,7 @@ contains
 
    !> A := A A for symmetric matrices of order 6, lower triangles by rows
    pure subroutine square(n, a)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(inout) :: a(BLOCK, 21)
 
       !> where the elements stand

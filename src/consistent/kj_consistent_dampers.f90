@@ -33,62 +33,80 @@ contains
       type(consistent_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
+      integer :: from
+
+      do from = lo, hi, BLOCK
+         if (hi == from) then                           ! one joint: a kernel of its own
+            call dampers_of(1, batch, curves, poses, from, joint, wrench)
+         else
+            call dampers_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
+         end if
+      end do
+   end subroutine add_dampers
+
+   !> The same for the n joints of a block that begins with `from`
+   pure subroutine dampers_of(n, batch, curves, poses, from, joint, wrench)
+      integer, value :: n
+      type(joint_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: from
+      type(consistent_joint_t), intent(inout) :: joint
+      real(wp), contiguous, intent(inout) :: wrench(:, :)
+
       real(wp), dimension(BLOCK, 6) :: rate, f, c
       real(wp) :: s(BLOCK, 21), moment(BLOCK, 3), im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)
       logical :: on(NDOF)
-      integer :: from, n, at, i, k
+      integer :: at, i, k
 
       on = damped_dofs(batch)
-      do from = lo, hi, BLOCK
-         n = min(BLOCK, hi - from + 1)
-         at = (from - 1)/BLOCK + 1
-         associate (state => joint%block(at), h => poses%h)
-            call rates(batch, on, poses%v, poses%w, from, n, state%b, rate)
-            do k = 1, NDOF
-               if (.not. on(k)) then
-                  f(:n, k) = 0.0_wp
-                  cycle
-               end if
-               if (is_hardened(batch)) then
-                  call hardened_damper(batch, curves, from, n, k, rate(:, k), joint%spring(at), &
-                     f(:, k), c(:, k))
-               else
-                  call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
-               end if
-               if (batch%limited) then
-                  c(:n, k) = c(:n, k) + joint%limit(at)%c_limit(:n, k)
-                  f(:n, k) = f(:n, k) + joint%limit(at)%c_limit(:n, k)*rate(:n, k)
-               end if
-               f(:n, k) = f(:n, k) - state%fd(:n, k)
-            end do
-            if (h(1) > 0.0_wp) then
-               call end_inertias(batch, poses, from, n, im, ij1, ij2)
-               call compliance(n, on, state%b, im, ij1, ij2, s)
-               call solve(n, on, h, c, s, f)
-               if (batch%limited) call damp_round_stops(joint%limit(at), h, n, rate, s, f)
+      at = (from - 1)/BLOCK + 1
+      associate (state => joint%block(at), h => poses%h)
+         call rates(batch, on, poses%v, poses%w, from, n, state%b, rate)
+         do k = 1, NDOF
+            if (.not. on(k)) then
+               f(:n, k) = 0.0_wp
+               cycle
             end if
-            moment(:n, :) = 0.0_wp
-            if (any(on(4:6))) call add_moment(n, f(:, 4:6), state%b%turn, moment)
-            call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
-            do k = 1, NDOF
-               if (.not. on(k)) cycle
-               !$omp simd
-               do i = 1, n
-                  state%fd(i, k) = state%fd(i, k) + f(i, k)
-                  state%dissipated(i) = state%dissipated(i) + &
-                     0.5_wp*h(i)*state%fd(i, k)*state%qd(i, k)
-               end do
+            if (is_hardened(batch)) then
+               call hardened_damper(batch, curves, from, n, k, rate(:, k), joint%spring(at), &
+                  f(:, k), c(:, k))
+            else
+               call damper(batch, curves, from, n, k, rate(:, k), f(:, k), c(:, k))
+            end if
+            if (batch%limited) then
+               c(:n, k) = c(:n, k) + joint%limit(at)%c_limit(:n, k)
+               f(:n, k) = f(:n, k) + joint%limit(at)%c_limit(:n, k)*rate(:n, k)
+            end if
+            f(:n, k) = f(:n, k) - state%fd(:n, k)
+         end do
+         if (h(1) > 0.0_wp) then
+            call end_inertias(batch, poses, from, n, im, ij1, ij2)
+            call compliance(n, on, state%b, im, ij1, ij2, s)
+            call solve(n, on, h, c, s, f)
+            if (batch%limited) call damp_round_stops(joint%limit(at), h, n, rate, s, f)
+         end if
+         moment(:n, :) = 0.0_wp
+         if (any(on(4:6))) call add_moment(n, f(:, 4:6), state%b%turn, moment)
+         call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
+         do k = 1, NDOF
+            if (.not. on(k)) cycle
+            !$omp simd
+            do i = 1, n
+               state%fd(i, k) = state%fd(i, k) + f(i, k)
+               state%dissipated(i) = state%dissipated(i) + &
+                  0.5_wp*h(i)*state%fd(i, k)*state%qd(i, k)
             end do
-         end associate
-      end do
-   end subroutine add_dampers
+         end do
+      end associate
+   end subroutine dampers_of
 
    !> Energy that the dampers of n joints from `from` take in half a step h: h/2 f.B v
    pure subroutine count_damping(batch, v, w, h, from, n, state)
       type(joint_batch_t), intent(in) :: batch
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3) when B was found
       real(wp), intent(in) :: h(BLOCK)
-      integer, intent(in) :: from, n             !! n <= BLOCK
+      integer, value :: from, n             !! n <= BLOCK
       type(consistent_block_t), intent(inout) :: state
 
       real(wp) :: rate(BLOCK, 6)
@@ -110,7 +128,7 @@ contains
    pure subroutine damper(batch, curves, from, n, dof, rate, f, c)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      integer, intent(in) :: from, n, dof
+      integer, value :: from, n, dof
       real(wp), intent(in) :: rate(BLOCK)
       real(wp), intent(out) :: f(BLOCK), c(BLOCK)
 
@@ -142,7 +160,7 @@ contains
    !> stays (it is zero). L D L^T without pivoting, all joints of the block at once: 6 x 6 is far
    !> too small for one LAPACK call a joint.
    pure subroutine solve(n, on, h, c, s, f)
-      integer, intent(in) :: n
+      integer, value :: n
       logical, intent(in) :: on(NDOF)            !! dofs with damping; of the others nothing is read
       real(wp), intent(in) :: h(BLOCK), c(BLOCK, 6), s(BLOCK, 21)
       real(wp), intent(inout) :: f(BLOCK, 6)

@@ -30,7 +30,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: h(BLOCK)           !! step, 0: none
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF)     !! coordinates now, for functions
       real(wp), intent(in) :: slid(BLOCK, NDOF)  !! dq
       type(limit_block_t), intent(inout) :: state
@@ -152,7 +152,7 @@ contains
    pure subroutine turn_in_frame(batch, psi, from, n, rot, turn)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: psi(:, :)          !! (n_lead, 3) rotation vectors of the step, W
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: rot(BLOCK, 9)
       real(wp), intent(inout) :: turn(BLOCK, NDOF)   !! its columns 4-6
 

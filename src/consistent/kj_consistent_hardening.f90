@@ -26,7 +26,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time(BLOCK), h(BLOCK)   !! now, and the step that led here
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF)
       type(consistent_block_t), intent(inout) :: state
       type(spring_block_t), intent(inout) :: spring
@@ -96,7 +96,7 @@ contains
    pure subroutine hardened_damper(batch, curves, from, n, dof, rate, spring, f, c)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      integer, intent(in) :: from, n, dof
+      integer, value :: from, n, dof
       real(wp), intent(in) :: rate(BLOCK)
       type(spring_block_t), intent(in) :: spring
       real(wp), intent(out) :: f(BLOCK), c(BLOCK)

@@ -40,7 +40,7 @@ contains
 
    !> moment := moment + f1 rot1 + f2 rot2 + f3 rot3
    pure subroutine add_moment(n, f, rot, moment)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: f(BLOCK, 3), rot(BLOCK, 9)
       real(wp), intent(inout) :: moment(BLOCK, 3)
 
@@ -57,7 +57,7 @@ contains
 
    !> Force on end 1 and moments about the leads of both ends
    pure subroutine put_wrench(n, f, moment, b, wrench)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: f(BLOCK, 3)         !! forces of the translations
       real(wp), intent(in) :: moment(BLOCK, 3)    !! of the rotations, on body 1, W
       type(matrix_t), intent(in) :: b
@@ -111,7 +111,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       logical, intent(in) :: on(NDOF)            !! rates that are wanted
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3)
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       type(matrix_t), intent(in) :: b
       real(wp), intent(out) :: rate(BLOCK, 6)
 

@@ -38,53 +38,71 @@ contains
       type(consistent_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_CONSISTENT_WRENCH, all joints)
 
+      integer :: from
+
+      do from = lo, hi, BLOCK
+         if (hi == from) then                           ! one joint: a kernel of its own
+            call springs_of(1, batch, curves, poses, from, joint, wrench)
+         else
+            call springs_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
+         end if
+      end do
+   end subroutine add_springs
+
+   !> The same for the n joints of a block that begins with `from`
+   pure subroutine springs_of(n, batch, curves, poses, from, joint, wrench)
+      integer, value :: n
+      type(joint_batch_t), intent(in) :: batch
+      type(curve_set_t), intent(in) :: curves
+      type(poses_t), intent(in) :: poses
+      integer, intent(in) :: from
+      type(consistent_joint_t), intent(inout) :: joint
+      real(wp), contiguous, intent(inout) :: wrench(:, :)
+
       real(wp) :: q(BLOCK, 6), f(BLOCK, 6), rot(BLOCK, 9), moment(BLOCK, 3), lost(BLOCK)
-      integer :: from, n, at, k
+      integer :: at, k
       logical :: sprung(NDOF), damped(NDOF)
 
       sprung = sprung_dofs(batch)
       damped = damped_dofs(batch)
-      do from = lo, hi, BLOCK
-         n = min(BLOCK, hi - from + 1)
-         at = (from - 1)/BLOCK + 1
-         associate (state => joint%block(at))
-            if (batch%geometry%damped .and. poses%h(1) > 0.0_wp) &
-               call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
-            call coordinates(batch, poses, from, n, state%q, q, state%b, rot)
-            call laws(batch, curves, poses, from, n, q, at, joint, f, lost)
-            call keep_coordinates(n, sprung, q, f, state)
-            if (batch%limited) then
-               state%elastic(:n) = state%elastic(:n) - lost(:n)
-               state%dissipated(:n) = state%dissipated(:n) + lost(:n)
-            end if
-            moment(:n, :) = 0.0_wp
-            if (batch%geometry%chart == CHART_VECTOR) then
-               if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
-            else if (any(sprung(4:6))) then
-               call add_moment(n, f(:, 4:6), state%b%turn, moment)
-            end if
-            if (batch%geometry%damped) then
-               call rates(batch, damped, poses%v, poses%w, from, n, state%b, q)
-               do k = 1, 6
-                  if (.not. damped(k)) then
-                     q(:n, k) = 0.0_wp
-                     cycle
-                  end if
-                  state%qd(:n, k) = q(:n, k)
-                  q(:n, k) = state%fd(:n, k)
-                  if (batch%limited) q(:n, k) = q(:n, k) + joint%limit(at)%friction(:n, k)
-               end do
-               f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
-               if (any(damped(4:6))) call add_moment(n, q(:, 4:6), state%b%turn, moment)
-            end if
-            call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
-         end associate
-      end do
-   end subroutine add_springs
+      at = (from - 1)/BLOCK + 1
+      associate (state => joint%block(at))
+         if (batch%geometry%damped .and. poses%h(1) > 0.0_wp) &
+            call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
+         call coordinates(batch, poses, from, n, state%q, q, state%b, rot)
+         call laws(batch, curves, poses, from, n, q, at, joint, f, lost)
+         call keep_coordinates(n, sprung, q, f, state)
+         if (batch%limited) then
+            state%elastic(:n) = state%elastic(:n) - lost(:n)
+            state%dissipated(:n) = state%dissipated(:n) + lost(:n)
+         end if
+         moment(:n, :) = 0.0_wp
+         if (batch%geometry%chart == CHART_VECTOR) then
+            if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
+         else if (any(sprung(4:6))) then
+            call add_moment(n, f(:, 4:6), state%b%turn, moment)
+         end if
+         if (batch%geometry%damped) then
+            call rates(batch, damped, poses%v, poses%w, from, n, state%b, q)
+            do k = 1, 6
+               if (.not. damped(k)) then
+                  q(:n, k) = 0.0_wp
+                  cycle
+               end if
+               state%qd(:n, k) = q(:n, k)
+               q(:n, k) = state%fd(:n, k)
+               if (batch%limited) q(:n, k) = q(:n, k) + joint%limit(at)%friction(:n, k)
+            end do
+            f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
+            if (any(damped(4:6))) call add_moment(n, q(:, 4:6), state%b%turn, moment)
+         end if
+         call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
+      end associate
+   end subroutine springs_of
 
    !> Keep coordinates and spring forces, and count the work done on the springs
    pure subroutine keep_coordinates(n, sprung, q, f, state)
-      integer, intent(in) :: n
+      integer, value :: n
       logical, intent(in) :: sprung(NDOF)
       real(wp), intent(in) :: q(BLOCK, 6), f(BLOCK, 6)
       type(consistent_block_t), intent(inout) :: state
@@ -112,7 +130,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, 6)
       integer, intent(in) :: at                  !! the block
       type(consistent_joint_t), intent(inout) :: joint
@@ -158,7 +176,7 @@ contains
    pure subroutine coordinates(batch, poses, from, n, last, q, b, rot)
       type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: last(BLOCK, 6)        !! last coordinates
       real(wp), intent(out) :: q(BLOCK, 6)
       type(matrix_t), intent(inout) :: b
@@ -226,7 +244,7 @@ contains
    !> the swing of that body alone. The mean frame would act half way between the nodes, with half
    !> the travel as a lever on the body that turns.
    pure subroutine ride_on_rail(n, rail, t1, t2, p, r, rot, e, a1)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: rail(BLOCK)           !! 1, -1: the swing of body 1, 2; 0: mean frame
       real(wp), intent(in) :: t1(BLOCK, 4), t2(BLOCK, 4)
       real(wp), intent(in) :: p(BLOCK, 4)           !! from twist_chart
@@ -262,7 +280,7 @@ contains
    pure subroutine see_ends(batch, poses, from, n, t1, t2, p, arm1, arm2, r)
       type(joint_batch_t), intent(in) :: batch
       type(poses_t), intent(in) :: poses
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), dimension(BLOCK, 4), intent(out) :: t1, t2, p
       real(wp), dimension(BLOCK, 3), intent(out) :: arm1, arm2, r
 
@@ -303,7 +321,7 @@ contains
 
    !> m := m + a x f
    pure subroutine add_lever(n, a, f, m)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: a(BLOCK, 3), f(BLOCK, 3)
       real(wp), intent(inout) :: m(BLOCK, 3)
 
@@ -321,7 +339,7 @@ contains
    pure subroutine spring(batch, curves, from, n, dof, q, f)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      integer, intent(in) :: from, n, dof
+      integer, value :: from, n, dof
       real(wp), intent(in) :: q(BLOCK)
       real(wp), intent(out) :: f(BLOCK)
 

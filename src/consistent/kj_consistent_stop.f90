@@ -39,7 +39,7 @@ contains
       type(curve_set_t), intent(in) :: curves
       !> now, and the step that led here (0: none)
       real(wp), intent(in) :: time(BLOCK), h(BLOCK)
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)   !! coordinates at time - h, time
       real(wp), intent(in) :: slid(BLOCK, NDOF)  !! way of the step that friction sees
       type(limit_block_t), intent(inout) :: state
@@ -68,7 +68,7 @@ contains
    pure subroutine stop_plain(batch, h, from, n, before, q, state, f)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h(BLOCK)
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF)
@@ -113,7 +113,7 @@ contains
    pure subroutine stop_combined(batch, h, from, n, first, before, q, state, f)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: h(BLOCK)
-      integer, intent(in) :: from, n, first
+      integer, value :: from, n, first
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF)
@@ -164,7 +164,7 @@ contains
    pure subroutine damp_round_stops(state, h, n, rate, s, change)
       type(limit_block_t), intent(in) :: state
       real(wp), intent(in) :: h(BLOCK)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: rate(BLOCK, NDOF)  !! predicted
       real(wp), intent(in) :: s(BLOCK, 21)       !! B M^-1 B^T, lower triangle by rows
       real(wp), intent(inout) :: change(BLOCK, NDOF)
@@ -197,7 +197,7 @@ contains
    pure subroutine lock(batch, time, h, from, n, before, q, state, f, lost)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time(BLOCK), h(BLOCK)
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: before(BLOCK, NDOF), q(BLOCK, NDOF)
       type(limit_block_t), intent(inout) :: state
       real(wp), intent(inout) :: f(BLOCK, NDOF), lost(BLOCK)

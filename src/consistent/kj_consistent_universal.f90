@@ -18,7 +18,7 @@ contains
    !> about e2 and e3 from where e1 stood at the start, counted over turns; theta' = G (w2 - w1)
    !> exactly. Triads: body 1 carries (e1, e2, e1 x e2) of the start, body 2 (e1, e3 x e1, e3).
    pure subroutine universal_chart(n, t1, t2, r, angle0, theta, xl, e, dual, a1, ortho)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: t1(BLOCK, 4), t2(BLOCK, 4), r(BLOCK, 3)
       real(wp), intent(in) :: angle0(BLOCK)          !! angle(e2, e3) at the start
       real(wp), intent(inout) :: theta(BLOCK, 3)     !! last angles in, new angles out
@@ -69,7 +69,7 @@ contains
 
    !> Angles of a universal joint from its axes and from where e1 stood at the start on both bodies
    pure subroutine universal_angles(n, x1, x2, e, s, ortho, angle0, theta)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: x1(BLOCK, 3), x2(BLOCK, 3), e(BLOCK, 9)
       real(wp), intent(in) :: s(BLOCK), ortho(BLOCK) !! sine and cosine of angle(e2, e3)
       real(wp), intent(in) :: angle0(BLOCK)
@@ -101,7 +101,7 @@ contains
 
    !> Couples on body 1 of the three translations: it carries e2 and turns e1
    pure subroutine universal_couples(n, e, dual, xl, s, ortho, a1)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: e(BLOCK, 9), dual(BLOCK, 9), xl(BLOCK, 3), s(BLOCK), ortho(BLOCK)
       real(wp), intent(out) :: a1(BLOCK, 9)
 

@@ -40,7 +40,7 @@ contains
 
    !> E := Exp(phi) E, exact (Rodrigues). Three columns, turned by the same vector.
    pure subroutine turn_frames(n, phi, e)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: phi(BLOCK, 3)      !! rotation vector, W [rad]
       real(wp), intent(inout) :: e(BLOCK, 9)
 
@@ -68,7 +68,7 @@ contains
 
    !> u := (u + h w x u) made 1 long: to first order, as the legacy scheme has it
    pure subroutine turn_axes(n, h, w, u)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: h
       real(wp), intent(in) :: w(BLOCK, 3)        !! W
       real(wp), intent(inout) :: u(BLOCK, 3)     !! W
@@ -92,7 +92,7 @@ contains
    !>
    !> n = u x v / s, s = |u x v|;  dual: n, v x n / s, n x u / s
    pure subroutine cross_frames(n, u, v, e, dual)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: u(BLOCK, 3), v(BLOCK, 3)   !! axis of body 1 and of body 2, unit, W
       real(wp), intent(out) :: e(BLOCK, 9), dual(BLOCK, 9)
 
@@ -127,7 +127,7 @@ contains
 
    !> Components of a on the dual basis: b_k = dual_k . a (dual = E for an orthonormal frame)
    pure subroutine to_local(n, dual, a, b)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: dual(BLOCK, 9)
       real(wp), intent(in) :: a(BLOCK, 3)       !! W
       real(wp), intent(out) :: b(BLOCK, 3)      !! J
@@ -144,7 +144,7 @@ contains
 
    !> a = E1 b1 + E2 b2 + E3 b3
    pure subroutine to_world(n, e, b, a)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: e(BLOCK, 9)
       real(wp), intent(in) :: b(BLOCK, 3)       !! J
       real(wp), intent(out) :: a(BLOCK, 3)      !! W
@@ -161,7 +161,7 @@ contains
 
    !> c := c + factor a x b
    pure subroutine add_cross(n, factor, a, b, c)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: factor
       real(wp), intent(in) :: a(BLOCK, 3), b(BLOCK, 3)
       real(wp), intent(inout) :: c(BLOCK, 3)
@@ -178,7 +178,7 @@ contains
 
    !> b = a turned by the quaternion q
    pure subroutine turn_arm(n, q, a, b)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q(BLOCK, 4), a(BLOCK, 3)
       real(wp), intent(out) :: b(BLOCK, 3)
 
@@ -198,7 +198,7 @@ contains
 
    !> Axes with e1 along r, all orthonormal; the global ones where r is zero
    pure subroutine line_axes(n, r, e)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: r(BLOCK, 3)        !! from node 1 to node 2, W
       real(wp), intent(out) :: e(BLOCK, 9)
 

@@ -117,7 +117,7 @@ contains
 
    !> y := y/m, 0 where m is; no division by 0, which a host may trap
    pure subroutine divide(n, m, y)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: m(n)
       real(wp), intent(inout) :: y(n)
 
@@ -151,7 +151,7 @@ contains
 
    !> y := y + h x
    pure subroutine add_to(n, h, x, y)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: h, x(n)
       real(wp), intent(inout) :: y(n)
 

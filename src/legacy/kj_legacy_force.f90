@@ -55,7 +55,7 @@ contains
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       logical, intent(in) :: keep_rates
-      integer, intent(in) :: from, n, at         !! first joint, joints, block
+      integer, value :: from, n, at         !! first joint, joints, block
       type(legacy_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
@@ -108,7 +108,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       type(legacy_block_t), intent(inout) :: state
       real(wp), intent(out) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3)
 
@@ -157,7 +157,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       type(legacy_block_t), intent(in) :: state
       real(wp), intent(out) :: u(BLOCK, 3), v(BLOCK, 3)
 
@@ -180,7 +180,7 @@ contains
    pure subroutine laws(batch, curves, from, n, q, qdot, state, f)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF), qdot(BLOCK, NDOF)
       type(legacy_block_t), intent(inout) :: state
       real(wp), intent(out) :: f(BLOCK, NDOF)
@@ -232,7 +232,7 @@ contains
    pure subroutine put_wrench(batch, world, from, n, state, e, xl, f, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(world_t), intent(in) :: world
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       type(legacy_block_t), intent(in) :: state
       real(wp), intent(in) :: e(BLOCK, 9), xl(BLOCK, 3), f(BLOCK, NDOF)
       real(wp), contiguous, intent(inout) :: wrench(:, :)

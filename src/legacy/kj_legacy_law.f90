@@ -13,7 +13,7 @@ contains
 
    !> f += k q + c qdot
    pure subroutine add_spring_and_damper(n, q, qdot, k, c, f)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q(n), qdot(n)    !! displacement or rotation, and its rate
       real(wp), intent(in) :: k(n), c(n)
       real(wp), intent(inout) :: f(n)          !! force or moment on node 1
@@ -33,7 +33,7 @@ contains
    !> of this free dof 0 sqrt(negative) = NaN where the reduced mass is not zero.
    !> Source: docs/theory/legacy.md 3.6.
    pure subroutine add_spring_curve(n, curves, curve, k, mass, q, qdot, f, k_top)
-      integer, intent(in) :: n
+      integer, value :: n
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: curve(n)          !! index of the curve
       real(wp), intent(in) :: k(n)             !! scale of the curve
@@ -56,7 +56,7 @@ contains
 
    !> Tabulated damping force f += c g(qdot), with its slope for the time step
    pure subroutine add_damper_curve(n, curves, curve, c, qdot, f, c_top)
-      integer, intent(in) :: n
+      integer, value :: n
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: curve(n)
       real(wp), intent(in) :: c(n), qdot(n)
@@ -75,7 +75,7 @@ contains
 
    !> f += k q, and its stiffness
    pure subroutine add_spring(n, q, k, f, k_eff, k_top)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q(n), k(n)
       real(wp), intent(inout) :: f(n)
       real(wp), intent(inout) :: k_eff(n)      !! stiffness of this dof
@@ -94,7 +94,7 @@ contains
    !> Tabulated elastic force f += k g(q) as `add_spring_curve`, for dofs whose critical damping
    !> comes later: it tells its slope
    pure subroutine add_spring_curve_slope(n, curves, curve, k, q, f, k_eff, k_top)
-      integer, intent(in) :: n
+      integer, value :: n
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: curve(n)          !! index of the curve
       real(wp), intent(in) :: k(n)             !! scale of the curve
@@ -115,7 +115,7 @@ contains
 
    !> f += cr sqrt(k m) qdot; NaN where k < 0, as the legacy scheme has it
    pure subroutine add_critical_damping(n, cr, k, m, qdot, f)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: cr(n)            !! critical damping ratio, 0 where none acts
       real(wp), intent(in) :: k(n), m(n)       !! stiffness of the dof, reduced mass or inertia
       real(wp), intent(in) :: qdot(n)
@@ -131,7 +131,7 @@ contains
 
    !> f += c qdot, and its damping for the time step
    pure subroutine add_damper(n, c, qdot, f, c_top)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: c(n), qdot(n)
       real(wp), intent(inout) :: f(n)
       real(wp), intent(inout) :: c_top(n)

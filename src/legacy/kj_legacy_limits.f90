@@ -26,7 +26,7 @@ contains
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time
       real(wp), intent(in) :: h12                 !! of the cycle before, 0 in the first
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF), qdot(BLOCK, NDOF)
       type(legacy_block_t), intent(inout) :: state
       type(legacy_limit_t), intent(inout) :: limit
@@ -77,7 +77,7 @@ contains
    pure subroutine add_elastic(batch, curves, from, n, dof, q, f, k_eff, k_top)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
-      integer, intent(in) :: from, n, dof
+      integer, value :: from, n, dof
       real(wp), intent(in) :: q(n)
       real(wp), intent(inout) :: f(n), k_eff(n), k_top(n)
 
@@ -97,7 +97,7 @@ contains
    pure subroutine lock_joints(batch, time, from, n, q, limit)
       type(joint_batch_t), intent(in) :: batch
       real(wp), intent(in) :: time
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF)     !! of the cycle before
       type(legacy_limit_t), intent(inout) :: limit
 
@@ -121,7 +121,7 @@ contains
    !> Distance from the centre of combined stops, of translations and of rotations
    pure subroutine find_reach(batch, from, n, q, reach)
       type(joint_batch_t), intent(in) :: batch
-      integer, intent(in) :: from, n
+      integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, NDOF)
       real(wp), intent(out) :: reach(BLOCK, 2)
 
@@ -145,7 +145,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       real(wp), intent(in) :: time, h12
-      integer, intent(in) :: from, n, dof
+      integer, value :: from, n, dof
       real(wp), intent(in) :: q(n), qdot(n), reach(n)
       type(legacy_limit_t), intent(inout) :: limit
       real(wp), intent(inout) :: f(n), k_eff(n), k_top(n)

@@ -23,7 +23,7 @@ contains
    !>
    !> Legacy quirk, kept on purpose: only the upper stop is seen from near.
    pure subroutine plain_overlap(n, q, lo, hi, over, direction, nearby)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q(n), lo(n), hi(n)
       real(wp), intent(out) :: over(n)          !! signed
       real(wp), intent(out) :: direction(n)     !! of the stop force: 1
@@ -48,7 +48,7 @@ contains
    !> c = (lo + hi)/2, rho = (hi - lo)/2, reach^2 = sum (q - c)^2 over the combined dofs;
    !> over = max(0, reach - rho) along (q - c)/reach
    pure subroutine combined_overlap(n, q, lo, hi, combined, reach, over, direction, nearby)
-      integer, intent(in) :: n
+      integer, value :: n
       real(wp), intent(in) :: q(n), lo(n), hi(n)
       real(wp), intent(in) :: combined(n)       !! 1 or 0
       real(wp), intent(in) :: reach(n)
@@ -77,7 +77,7 @@ contains
    !> combined dofs counts by their direction outside of the circle and not at all inside.
    pure subroutine add_friction(n, curves, curve, k, slip, combined, over, direction, q, dq, r, f, &
       k_eff, k_top, energy, slides, acts)
-      integer, intent(in) :: n
+      integer, value :: n
       type(curve_set_t), intent(in) :: curves
       integer, intent(in) :: curve(n)           !! index of the curve of the limit, 0 = none
       real(wp), intent(in) :: k(n)              !! stiffness of friction
@@ -129,7 +129,7 @@ contains
    !> Just before the stop its stiffness already counts, without force.
    pure subroutine add_stop(n, rubs, k, k_block, over, direction, nearby, f, k_eff, k_top, stored, &
       acts)
-      integer, intent(in) :: n
+      integer, value :: n
       logical, intent(in) :: rubs(n)            !! has friction: no stop of its own
       real(wp), intent(in) :: k(n)              !! stiffness of the stop, 0 = k_block
       real(wp), intent(in) :: k_block(n)        !! stiffness of the blocked dofs
@@ -157,7 +157,7 @@ contains
 
    !> Lock of a free dof: f += k_block (q - q_lock)
    pure subroutine add_lock(n, locked, k_block, q, q_lock, f, k_eff, k_top, stored, acts)
-      integer, intent(in) :: n
+      integer, value :: n
       logical, intent(in) :: locked(n)
       real(wp), intent(in) :: k_block(n), q(n), q_lock(n)
       real(wp), intent(inout) :: f(n), k_eff(n), k_top(n), stored(n)
