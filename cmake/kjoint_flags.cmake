@@ -54,6 +54,24 @@ function(kjoint_library target)
     $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${install_mods}>)
 endfunction()
 
+# Sources of kjoint as one file, so that the compiler makes kernels for a single joint or lead where callers
+# give it that number, and no calls within a kernel; `result`: what is compiled
+function(kjoint_one_piece result)
+  set(${result} ${ARGN} PARENT_SCOPE)
+  if(CMAKE_BUILD_TYPE STREQUAL "Debug" OR NOT CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
+    return()
+  endif()
+  set(piece ${PROJECT_BINARY_DIR}/kj_one_piece.F90)
+  list(TRANSFORM ARGN REPLACE "(.+)" "#include \"${PROJECT_SOURCE_DIR}/\\1\"" OUTPUT_VARIABLE lines)
+  list(JOIN lines "\n" lines)
+  file(CONFIGURE OUTPUT ${piece} CONTENT "${lines}\n" @ONLY)
+  set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
+  set_source_files_properties(${piece} PROPERTIES COMPILE_OPTIONS "-fno-semantic-interposition;\
+--param=ipa-cp-eval-threshold=1;--param=ipa-cp-unit-growth=400")
+  target_sources(kjoint PRIVATE ${piece})
+  set(${result} ${piece} PARENT_SCOPE)
+endfunction()
+
 # Compile kernels of a library for x86-64, -v3 and -v4: kj_kernels.c chooses at start
 option(KJOINT_VARIANTS "Kernels for x86-64-v3 and -v4, too, chosen at start" ON)
 function(kjoint_kernels target)

@@ -106,7 +106,7 @@ contains
       type(joint_batch_t), intent(in) :: batch
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3) when B was found
       real(wp), intent(in) :: h(BLOCK)
-      integer, value :: from, n             !! n <= BLOCK
+      integer, value :: from, n                  !! n <= BLOCK
       type(consistent_block_t), intent(inout) :: state
 
       real(wp) :: rate(BLOCK, 6)

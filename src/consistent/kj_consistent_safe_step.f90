@@ -159,40 +159,58 @@ contains
       integer, intent(in) :: piece(3)            !! batch, first, last joint
       real(wp), intent(inout) :: lambda(:)       !! (n_element)
 
+      integer :: from
+
+      do from = piece(2), piece(3), BLOCK
+         if (piece(3) == from) then                     ! one joint: a kernel of its own
+            call eigenvalues_of(1, model, state, bound, piece(1), from, lambda)
+         else
+            call eigenvalues_of(min(BLOCK, piece(3) - from + 1), model, state, bound, piece(1), &
+               from, lambda)
+         end if
+      end do
+   end subroutine eigenvalues_of_piece
+
+   !> The same of the n joints of a block that begins with `from`
+   pure subroutine eigenvalues_of(n, model, state, bound, b, from, lambda)
+      integer, value :: n
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(bound_t), intent(in) :: bound
+      integer, intent(in) :: b, from
+      real(wp), intent(inout) :: lambda(:)       !! (n_element)
+
       real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), k(BLOCK, 6), &
          c_part(BLOCK, 6), part(BLOCK), root(BLOCK), w1, w2, g
-      integer :: from, n, i, j
+      integer :: i, j
 
-      associate (batch => model%batch(piece(1)), joint => state%joint(piece(1)))
-         do from = piece(2), piece(3), BLOCK
-            n = min(BLOCK, piece(3) - from + 1)
-            call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
-            do i = 1, n
-               j = batch%first + from + i - 1
-               w1 = 1.0_wp/(bound%share(1, j)*model%n_end(batch%lead(from + i - 1, 1)))
-               w2 = 1.0_wp/(bound%share(2, j)*model%n_end(batch%lead(from + i - 1, 2)))
-               im(i, 1) = im(i, 1)*w1
-               im(i, 2) = im(i, 2)*w2
-               ij1(i, :) = ij1(i, :)*w1
-               ij2(i, :) = ij2(i, :)*w2
-               g = 1.0_wp
-               if (batch%geometry%chart == CHART_VECTOR) g = &
-                  spin_up([joint%block(block_of(from))%q(i, 4), &
-                  joint%block(block_of(from))%q(i, 5), joint%block(block_of(from))%q(i, 6)])
-               k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
-               if (.not. allocated(bound%c)) cycle
-               c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
-            end do
-            call compliance(n, ALL_DOFS, joint%block(block_of(from))%b, im, ij1, ij2, s)
-            call eigenvalues_from_above(n, s, k, part)
-            if (allocated(bound%c)) then
-               call eigenvalues_from_above(n, s, c_part, root)
-               part(:n) = explicit(part(:n), root(:n))
-            end if
-            lambda(batch%first + from:batch%first + from + n - 1) = part(:n)
+      associate (batch => model%batch(b), joint => state%joint(b))
+         call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
+         do i = 1, n
+            j = batch%first + from + i - 1
+            w1 = 1.0_wp/(bound%share(1, j)*model%n_end(batch%lead(from + i - 1, 1)))
+            w2 = 1.0_wp/(bound%share(2, j)*model%n_end(batch%lead(from + i - 1, 2)))
+            im(i, 1) = im(i, 1)*w1
+            im(i, 2) = im(i, 2)*w2
+            ij1(i, :) = ij1(i, :)*w1
+            ij2(i, :) = ij2(i, :)*w2
+            g = 1.0_wp
+            if (batch%geometry%chart == CHART_VECTOR) g = &
+               spin_up([joint%block(block_of(from))%q(i, 4), &
+               joint%block(block_of(from))%q(i, 5), joint%block(block_of(from))%q(i, 6)])
+            k(i, :) = bound%k(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
+            if (.not. allocated(bound%c)) cycle
+            c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
          end do
+         call compliance(n, ALL_DOFS, joint%block(block_of(from))%b, im, ij1, ij2, s)
+         call eigenvalues_from_above(n, s, k, part)
+         if (allocated(bound%c)) then
+            call eigenvalues_from_above(n, s, c_part, root)
+            part(:n) = explicit(part(:n), root(:n))
+         end if
+         lambda(batch%first + from:batch%first + from + n - 1) = part(:n)
       end associate
-   end subroutine eigenvalues_of_piece
+   end subroutine eigenvalues_of
 
    !> Eigenvalue that limits Runge-Kutta of fourth order when damping has one too, NaN when that
    !> is none

@@ -44,26 +44,31 @@ contains
       integer :: from
 
       do from = lo, hi, BLOCK
-         call add_block(batch, curves, world, h, keep_rates, from, min(BLOCK, hi - from + 1), &
-            (from - 1)/BLOCK + 1, joint, wrench)
+         if (hi == from) then                           ! one joint: a kernel of its own
+            call add_block(batch, curves, world, h, keep_rates, from, 1, joint, wrench)
+         else
+            call add_block(batch, curves, world, h, keep_rates, from, min(BLOCK, hi - from + 1), &
+               joint, wrench)
+         end if
       end do
    end subroutine add_joint_forces
 
-   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, at, joint, wrench)
+   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       logical, intent(in) :: keep_rates
-      integer, value :: from, n, at         !! first joint, joints, block
+      integer, value :: from, n                  !! first joint, joints
       type(legacy_joint_t), intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3), q(BLOCK, NDOF), qdot(BLOCK, NDOF)
       real(wp) :: f(BLOCK, NDOF), change
       logical :: idle(NDOF)
-      integer :: i, j, k
+      integer :: i, j, k, at
 
+      at = (from - 1)/BLOCK + 1
       associate (state => joint%block(at))
          idle = batch%law == 0 .and. .not. batch%limited
          call move_frames(batch, world, h, from, n, state, e, xl, turn)
