@@ -12,25 +12,25 @@ module kj_consistent_body
    implicit none
    private
 
-   public :: kick, drift, predict, spin_velocity, inverse_inertias, columns, turn_in_space, &
-      midpoint_drift, midpoint_turn
+   public :: kick, drift, predict, spin_velocity, spin, inverse_inertias, inertias_of, columns, &
+      turn_in_space, midpoint_drift, midpoint_turn
 
    integer, parameter :: MOST_ROUNDS = 30        !! of Newton's method
 
 contains
 
-   !> v += h/2 f/m, L += h/2 t of leads lo..hi; blocked leads have no inverse mass or inertia
-   pure subroutine kick(model, state, h, lo, hi)
+   !> v += h/2 f/m, L += h/2 t of n leads from ...; blocked leads have no inverse mass or inertia
+   pure subroutine kick(n, from, model, h, state)
+      integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h(from:from + n - 1)    !! the whole step of each lead
       type(consistent_state_t), intent(inout) :: state
-      integer, intent(in) :: lo, hi
-      real(wp), intent(in) :: h(lo:hi)                !! the whole step of each lead
 
       integer :: i
 
       associate (v => state%v, l => state%l, f => state%f, t => state%t, m => model%inverse_mass)
          !$omp simd
-         do i = lo, hi
+         do i = from, from + n - 1
             v(i, 1) = v(i, 1) + 0.5_wp*h(i)*m(i)*f(i, 1)
             v(i, 2) = v(i, 2) + 0.5_wp*h(i)*m(i)*f(i, 2)
             v(i, 3) = v(i, 3) + 0.5_wp*h(i)*m(i)*f(i, 3)
@@ -41,62 +41,59 @@ contains
       end associate
    end subroutine kick
 
-   !> x += h v, and the free rotation of leads lo..hi over h, each block of leads by the same steps.
+   !> x += h v, and the free rotation over h of n leads from ..., at most BLOCK.
    !>
    !> Three unequal inertias: half, half about the smallest and the middle axis, whole about the
    !> largest, and back. Two equal ones: the exact motion, a turn h L/It in space and one about the
    !> axis of symmetry by h l (1/Ia - 1/It).
-   pure subroutine drift(model, state, h, lo, hi)
+   pure subroutine drift(n, from, model, h, state)
+      integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
-      real(wp), intent(in) :: h(BLOCK)
-      integer, intent(in) :: lo, hi
 
       real(wp), dimension(BLOCK, 3) :: l, space, part, w
       real(wp) :: q(BLOCK, 4), scale
       logical :: unequal
-      integer :: from, to, n, i, k
+      integer :: to, i, k
 
-      do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         n = to - from + 1
-         do k = 1, 3
-            state%poses%x(from:to, k) = state%poses%x(from:to, k) + h(:n)*state%v(from:to, k)
-            state%poses%d(from:to, k) = state%poses%d(from:to, k) + h(:n)*state%v(from:to, k)
-            l(:n, k) = state%l(from:to, k)
-         end do
-         do k = 1, 4
-            q(:n, k) = state%poses%quat(from:to, k)
-         end do
-         unequal = any(model%equal(from:to) == 0)
-         if (any(model%equal(from:to) > 0)) then
-            call symmetric_part(model, from, n, h, l, space, part)
-            call turn_in_space(n, space, q)
-         else
-            part(:n, 1) = 1.0_wp
-            part(:n, 2:3) = 0.5_wp
-         end if
-         call conjugate_turn(n, q, l, w)
-         call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
-         call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
-         call plane_turn(n, 1, h, part(:, 1), model%inverse_inertia(from:to, 1), q, w)
-         if (unequal) then
-            do i = 1, n
-               if (model%equal(from + i - 1) > 0) part(i, 2:3) = 0.0_wp
-            end do
-            call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
-            call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
-         end if
-         !$omp simd private(scale)
+      to = from + n - 1
+      do k = 1, 3
+         state%poses%x(from:to, k) = state%poses%x(from:to, k) + h(:n)*state%v(from:to, k)
+         state%poses%d(from:to, k) = state%poses%d(from:to, k) + h(:n)*state%v(from:to, k)
+         l(:n, k) = state%l(from:to, k)
+      end do
+      do k = 1, 4
+         q(:n, k) = state%poses%quat(from:to, k)
+      end do
+      unequal = any(model%equal(from:to) == 0)
+      if (any(model%equal(from:to) > 0)) then
+         call symmetric_part(model, from, n, h, l, space, part)
+         call turn_in_space(n, space, q)
+      else
+         part(:n, 1) = 1.0_wp
+         part(:n, 2:3) = 0.5_wp
+      end if
+      call conjugate_turn(n, q, l, w)
+      call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
+      call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
+      call plane_turn(n, 1, h, part(:, 1), model%inverse_inertia(from:to, 1), q, w)
+      if (unequal) then
          do i = 1, n
-            scale = 1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
-            ! a lead at rest does not change by a rounding
-            scale = merge(scale, 1.0_wp, model%inverse_inertia(from + i - 1, 1) > 0.0_wp)
-            state%poses%quat(from + i - 1, 1) = q(i, 1)*scale
-            state%poses%quat(from + i - 1, 2) = q(i, 2)*scale
-            state%poses%quat(from + i - 1, 3) = q(i, 3)*scale
-            state%poses%quat(from + i - 1, 4) = q(i, 4)*scale
+            if (model%equal(from + i - 1) > 0) part(i, 2:3) = 0.0_wp
          end do
+         call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
+         call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
+      end if
+      !$omp simd private(scale)
+      do i = 1, n
+         scale = 1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
+         ! a lead at rest does not change by a rounding
+         scale = merge(scale, 1.0_wp, model%inverse_inertia(from + i - 1, 1) > 0.0_wp)
+         state%poses%quat(from + i - 1, 1) = q(i, 1)*scale
+         state%poses%quat(from + i - 1, 2) = q(i, 2)*scale
+         state%poses%quat(from + i - 1, 3) = q(i, 3)*scale
+         state%poses%quat(from + i - 1, 4) = q(i, 4)*scale
       end do
    end subroutine drift
 
@@ -104,7 +101,7 @@ contains
    pure subroutine symmetric_part(model, from, n, h, l, space, part)
       type(consistent_model_t), intent(in) :: model
       integer, value :: from, n
-      real(wp), intent(in) :: h(BLOCK), l(BLOCK, 3)
+      real(wp), intent(in) :: h(n), l(BLOCK, 3)
       real(wp), intent(out) :: space(BLOCK, 3), part(BLOCK, 3)
 
       real(wp) :: it
@@ -205,36 +202,33 @@ contains
       call turn_arm(n, p, a, b)
    end subroutine conjugate_turn
 
-   !> Velocities of the poses of leads lo..hi after another half kick: v + h/2 f/m,
+   !> Velocities of the poses of n leads from ... after another half kick: v + h/2 f/m,
    !> J^-1 (L + h/2 t), with what the host of single joints adds to f and t
-   pure subroutine predict(model, h, lo, hi, state)
+   pure subroutine predict(n, from, model, h, state)
+      integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h(BLOCK)
-      integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
 
       real(wp), dimension(BLOCK, 3) :: f, t, l
-      integer :: from, to, n, i, j, k
+      integer :: to, i, j, k
 
-      do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         n = to - from + 1
-         f(:n, :) = state%f(from:to, :)
-         t(:n, :) = state%t(from:to, :)
-         if (allocated(state%f_ahead)) then
-            f(:n, :) = f(:n, :) + state%f_ahead(from:to, :)
-            t(:n, :) = t(:n, :) + state%t_ahead(from:to, :)
-         end if
-         do k = 1, 3
-            !$omp simd private(j)
-            do i = 1, n
-               j = from + i - 1
-               state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h(i)*model%inverse_mass(j)*f(i, k)
-               l(i, k) = state%l(j, k) + 0.5_wp*h(i)*t(i, k)
-            end do
+      to = from + n - 1
+      f(:n, :) = state%f(from:to, :)
+      t(:n, :) = state%t(from:to, :)
+      if (allocated(state%f_ahead)) then
+         f(:n, :) = f(:n, :) + state%f_ahead(from:to, :)
+         t(:n, :) = t(:n, :) + state%t_ahead(from:to, :)
+      end if
+      do k = 1, 3
+         !$omp simd private(j)
+         do i = 1, n
+            j = from + i - 1
+            state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h(i)*model%inverse_mass(j)*f(i, k)
+            l(i, k) = state%l(j, k) + 0.5_wp*h(i)*t(i, k)
          end do
-         call spin_block(model, state%poses%quat, from, n, l, state%poses%w)
       end do
+      call spin_block(n, from, model, state%poses%quat, l, state%poses%w)
    end subroutine predict
 
    !> w = J^-1 L of leads lo..hi
@@ -245,23 +239,34 @@ contains
       integer, intent(in) :: lo, hi
       real(wp), contiguous, intent(inout) :: w(:, :)  !! (n_lead, 3)
 
-      real(wp) :: part(BLOCK, 3)
-      integer :: from, n, k
+      integer :: from
 
       do from = lo, hi, BLOCK
-         n = min(BLOCK, hi - from + 1)
-         do k = 1, 3
-            part(:n, k) = l(from:from + n - 1, k)
-         end do
-         call spin_block(model, quat, from, n, part, w)
+         call spin(min(BLOCK, hi - from + 1), from, model, quat, l, w)
       end do
    end subroutine spin_velocity
 
+   !> The same of n leads from ..., at most BLOCK
+   pure subroutine spin(n, from, model, quat, l, w)
+      integer, value :: n, from
+      type(consistent_model_t), intent(in) :: model
+      real(wp), contiguous, intent(in) :: quat(:, :), l(:, :)
+      real(wp), contiguous, intent(inout) :: w(:, :)
+
+      real(wp) :: part(BLOCK, 3)
+      integer :: k
+
+      do k = 1, 3
+         part(:n, k) = l(from:from + n - 1, k)
+      end do
+      call spin_block(n, from, model, quat, part, w)
+   end subroutine spin
+
    !> w = J^-1 L of n leads from ..., L of these alone
-   pure subroutine spin_block(model, quat, from, n, l, w)
+   pure subroutine spin_block(n, from, model, quat, l, w)
+      integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
       real(wp), contiguous, intent(in) :: quat(:, :)
-      integer, value :: from, n
       real(wp), intent(in) :: l(BLOCK, 3)
       real(wp), contiguous, intent(inout) :: w(:, :)
 
@@ -291,28 +296,39 @@ contains
       integer, intent(in) :: lo, hi
       real(wp), contiguous, intent(inout) :: ij(:, :) !! (n_lead, 6)
 
-      integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
-      real(wp) :: q(BLOCK, 4), e(BLOCK, 9)
-      integer :: from, n, i, j, k
+      integer :: from
 
       do from = lo, hi, BLOCK
-         n = min(BLOCK, hi - from + 1)
-         do k = 1, 4
-            q(:n, k) = quat(from:from + n - 1, k)
-         end do
-         call quaternion_frame(n, q, e)
-         !$omp simd private(j, k)
-         do i = 1, n
-            j = from + i - 1
-            do k = 1, 6
-               ij(j, k) = model%n_end(j)*( &
-                  model%inverse_inertia(j, 1)*e(i, ROW(k))*e(i, COLUMN(k)) + &
-                  model%inverse_inertia(j, 2)*e(i, ROW(k) + 3)*e(i, COLUMN(k) + 3) + &
-                  model%inverse_inertia(j, 3)*e(i, ROW(k) + 6)*e(i, COLUMN(k) + 6))
-            end do
-         end do
+         call inertias_of(min(BLOCK, hi - from + 1), from, model, quat, ij)
       end do
    end subroutine inverse_inertias
+
+   !> The same of n leads from ..., at most BLOCK
+   pure subroutine inertias_of(n, from, model, quat, ij)
+      integer, value :: n, from
+      type(consistent_model_t), intent(in) :: model
+      real(wp), contiguous, intent(in) :: quat(:, :)
+      real(wp), contiguous, intent(inout) :: ij(:, :)
+
+      integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
+      real(wp) :: q(BLOCK, 4), e(BLOCK, 9)
+      integer :: i, j, k
+
+      do k = 1, 4
+         q(:n, k) = quat(from:from + n - 1, k)
+      end do
+      call quaternion_frame(n, q, e)
+      !$omp simd private(j, k)
+      do i = 1, n
+         j = from + i - 1
+         do k = 1, 6
+            ij(j, k) = model%n_end(j)*( &
+               model%inverse_inertia(j, 1)*e(i, ROW(k))*e(i, COLUMN(k)) + &
+               model%inverse_inertia(j, 2)*e(i, ROW(k) + 3)*e(i, COLUMN(k) + 3) + &
+               model%inverse_inertia(j, 3)*e(i, ROW(k) + 6)*e(i, COLUMN(k) + 6))
+         end do
+      end do
+   end subroutine inertias_of
 
    !> Columns of the rotation matrix of a unit quaternion
    pure function columns(p) result(e)

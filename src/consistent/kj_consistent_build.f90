@@ -37,7 +37,7 @@ contains
 
       if (allocated(model%arm)) deallocate (model%hold_of, model%arm, &
          model%inverse_mass, model%spin_inertia, model%inverse_inertia, model%quat0, model%axes0, &
-         model%equal, model%hold, model%hold_to)
+         model%equal, model%hold, model%hold_to, model%mover)
       allocate (model%hold_of(model%n_lead))
       model%n_end = model%map%first(2:) - model%map%first(:model%n_lead)
       call collect_holds(model)

@@ -58,7 +58,7 @@ contains
          call solve_rows(model, state, .true., self)
          call velocity_forces(model, self)
          call put_forces(model, .false., self, state)
-         call kick(model, state, spread(h, 1, model%n_lead), 1, model%n_lead)
+         call kick(model%n_lead, 1, model, spread(h, 1, model%n_lead), state)
          call project_all(model, final, active, WHOLE, state)
          state%work = work
          if (state%cycle > 0) then

@@ -10,7 +10,7 @@ module kj_consistent_conditions
    use kj_skew, only: axis_of
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t, hold_t
    use kj_consistent_body, only: columns
-   use kj_block, only: BLOCK, lane_of
+   use kj_block, only: BLOCK, block_of, lane_of
    implicit none
    private
 
@@ -436,9 +436,8 @@ contains
    !> stay.
    !>
    !> Attitudes before the drift and angular velocities during it: state%kept
-   subroutine hold_rotations(model, h, target, active, first, last, state)
+   subroutine hold_rotations(model, target, active, first, last, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h(BLOCK)
       real(wp), intent(in) :: target(:)              !! (n_motion)
       logical, intent(in) :: active(:)
       integer, intent(in) :: first, last             !! holds
@@ -454,7 +453,7 @@ contains
             active)
          if (n < 2) cycle
          w = state%kept%w(:, i)
-         q = to_quaternion(rotation(h(lane_of(lead))*w))
+         q = to_quaternion(rotation(state%poses%h(lane_of(lead))*w))
          p = state%kept%quat(:, i)
          turned = quaternion_product(q, p)
          state%poses%quat(lead, :) = turned          ! at once: of a lead at rest others look at it
@@ -560,17 +559,25 @@ contains
       end do
       model%turns = merge(0.0_wp, 1.0_wp, model%rests)
       where (model%rests) model%hold_of = 0
-      allocate (model%hold(count(model%hold_of > 0)), &
-         model%hold_to(0:(size(model%hold_of) + BLOCK - 1)/BLOCK))
+      associate (blocks => (size(model%hold_of) + BLOCK - 1)/BLOCK)
+         allocate (model%hold(count(model%hold_of > 0)), model%hold_to(0:blocks))
+         allocate (model%mover(2, blocks), source=0)
+      end associate
       model%hold_to(0) = 0
       n = 0
       do lead = 1, size(model%hold_of)
+         if (.not. model%rests(lead)) then
+            associate (m => model%mover(:, block_of(lead)))
+               if (m(1) == 0) m(1) = lead
+               m(2) = lead
+            end associate
+         end if
          if (model%hold_of(lead) > 0) then
             n = n + 1
             model%hold(n) = hold(model%hold_of(lead))
             model%hold_of(lead) = n
          end if
-         model%hold_to((lead + BLOCK - 1)/BLOCK) = n
+         model%hold_to(block_of(lead)) = n
       end do
    end subroutine sort_holds
 

@@ -3,11 +3,10 @@
 !> Source: docs/theory/consistent.md 2.
 module kj_consistent_leads
    use kj_kinds, only: wp
-   use kj_block, only: BLOCK
-   use kj_lead_map, only: gather_wrenches
+   use kj_block, only: BLOCK, block_of
+   use kj_lead_map, only: gather_wrench, first_hub, N_SUM
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_body, only: midpoint_drift, kick, drift, predict, spin_velocity, &
-      inverse_inertias
+   use kj_consistent_body, only: midpoint_drift, kick, drift, predict, spin, inertias_of
    use kj_consistent_conditions, only: project, keep_rates, hold_rotations, project_rates, &
       FIRST_HALF, SECOND_HALF
    implicit none
@@ -18,7 +17,8 @@ module kj_consistent_leads
 contains
 
    !> First half kick and drift of leads lo..hi, with their conditions, and what they need before
-   !> the forces of the new pose. lo is the first lead of a block.
+   !> the forces of the new pose. lo is the first lead of a block. Leads that rest have impulses
+   !> alone: where they stand at either end of a block it does not see them.
    subroutine move_leads(model, midpoint, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
@@ -26,32 +26,81 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, to, first, last, i
+      integer :: from, n, lane
 
       do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         first = model%hold_to((from - 1)/BLOCK) + 1
-         last = model%hold_to((to + BLOCK - 1)/BLOCK)
-         call keep_rates(model, first, last, state)
-         call half_kick(model, h, from, to, state)
-         call project(model, state%mean, state%active, FIRST_HALF, first, last, state)
-         call half_turn(model, h, from, to, state)
-         do i = first, last
-            state%kept%quat(:, i) = state%poses%quat(model%hold(i)%lead, :)
-            state%kept%w(:, i) = state%poses%w(model%hold(i)%lead, :)
-         end do
-         if (midpoint) then
-            call midpoint_drift(model, state, h, from, to)
-         else
-            call drift(model, state, h, from, to)
+         call add_impulses(model, h, from, min(from + BLOCK - 1, hi), state)
+         call movers(model, from, lane, n)
+         if (n == 1) then                               ! one lead: a kernel of its own
+            call move_block(1, from + lane - 1, model, midpoint, h(lane:), state)
+         else if (n > 1) then
+            call move_block(n, from + lane - 1, model, midpoint, h(lane:), state)
          end if
-         call hold_rotations(model, h, state%mean, state%active, first, last, state)
-         call open_leads(model, h, from, to, state)
       end do
+      call no_forces(lo, hi, state)
    end subroutine move_leads
 
-   !> Half a kick, and half a step of the impulses of joints and of loads on secondary nodes
-   pure subroutine half_kick(model, h, lo, hi, state)
+   !> The leads that move of the block that begins with lead lo: place of the first, and how many up
+   !> to the last
+   pure subroutine movers(model, lo, lane, n)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: lo
+      integer, intent(out) :: lane, n
+
+      associate (m => model%mover(:, block_of(lo)))
+         lane = m(1) - lo + 1
+         n = merge(m(2) - m(1) + 1, 0, m(1) > 0)
+      end associate
+   end subroutine movers
+
+   !> move_leads for n leads from ...
+   subroutine move_block(n, from, model, midpoint, h, state)
+      integer, value :: n, from
+      type(consistent_model_t), intent(in) :: model
+      logical, intent(in) :: midpoint
+      real(wp), intent(in) :: h(n)
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i, k, first, last
+
+      call holds(model, from, first, last)
+      call keep_rates(model, first, last, state)
+      call kick(n, from, model, h, state)
+      call project(model, state%mean, state%active, FIRST_HALF, first, last, state)
+      call spin(n, from, model, state%poses%quat, state%l, state%poses%w)
+      do k = 1, 3
+         !$omp simd
+         do i = from, from + n - 1
+            state%poses%psi(i, k) = 0.5_wp*h(i - from + 1)*state%poses%w(i, k)
+            state%poses%w_left(i, k) = state%poses%w(i, k)
+            state%poses%v(i, k) = state%v(i, k)
+         end do
+      end do
+      do i = first, last
+         state%kept%quat(:, i) = state%poses%quat(model%hold(i)%lead, :)
+         state%kept%w(:, i) = state%poses%w(model%hold(i)%lead, :)
+      end do
+      if (midpoint) then
+         call midpoint_drift(model, state, h, from, from + n - 1)
+      else
+         call drift(n, from, model, h, state)
+      end if
+      call hold_rotations(model, state%mean, state%active, first, last, state)
+      call open_block(n, from, model, h, state)
+   end subroutine move_block
+
+   !> First and last hold of the block of a lead
+   pure subroutine holds(model, lead, first, last)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: lead
+      integer, intent(out) :: first, last
+
+      first = model%hold_to(block_of(lead) - 1) + 1
+      last = model%hold_to(block_of(lead))
+   end subroutine holds
+
+   !> Half a step of the impulses of joints and of loads on secondary nodes
+   pure subroutine add_impulses(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: lo, hi
       real(wp), intent(in) :: h(lo:hi)
@@ -71,51 +120,59 @@ contains
             l(i, 3) = l(i, 3) + 0.5_wp*h(i)*(t(i, 3) - own_t(i, 3))
          end do
       end associate
-      call kick(model, state, h, lo, hi)
-   end subroutine half_kick
-
-   !> Angular velocities after the first half kick, and half of the turn that goes with them
-   pure subroutine half_turn(model, h, lo, hi, state)
-      type(consistent_model_t), intent(in) :: model
-      integer, intent(in) :: lo, hi
-      real(wp), intent(in) :: h(lo:hi)
-      type(consistent_state_t), intent(inout) :: state
-
-      integer :: i, k
-
-      call spin_velocity(model, state%poses%quat, state%l, lo, hi, state%poses%w)
-      do k = 1, 3
-         !$omp simd
-         do i = lo, hi
-            state%poses%psi(i, k) = 0.5_wp*h(i)*state%poses%w(i, k)
-            state%poses%w_left(i, k) = state%poses%w(i, k)
-            state%poses%v(i, k) = state%v(i, k)
-         end do
-      end do
-   end subroutine half_turn
+   end subroutine add_impulses
 
    !> Angular velocities in the pose reached, the other half of the turn, and no forces yet
-   pure subroutine open_leads(model, h, lo, hi, state)
+   subroutine open_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: lo, hi
       real(wp), intent(in) :: h(lo:hi)
       type(consistent_state_t), intent(inout) :: state
 
+      integer :: from
+
+      do from = lo, hi, BLOCK
+         call open_block(min(BLOCK, hi - from + 1), from, model, h(from:), state)
+      end do
+      call no_forces(lo, hi, state)
+   end subroutine open_leads
+
+   pure subroutine open_block(n, from, model, h, state)
+      integer, value :: n, from
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h(n)
+      type(consistent_state_t), intent(inout) :: state
+
       integer :: i, k
 
-      call spin_velocity(model, state%poses%quat, state%l, lo, hi, state%poses%w)
+      call spin(n, from, model, state%poses%quat, state%l, state%poses%w)
       do k = 1, 3
          !$omp simd
+         do i = from, from + n - 1
+            state%poses%psi(i, k) = state%poses%psi(i, k) + &
+               0.5_wp*h(i - from + 1)*state%poses%w(i, k)
+         end do
+      end do
+   end subroutine open_block
+
+   pure subroutine no_forces(lo, hi, state)
+      integer, intent(in) :: lo, hi
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i, k
+
+      do k = 1, 3
          do i = lo, hi
-            state%poses%psi(i, k) = state%poses%psi(i, k) + 0.5_wp*h(i)*state%poses%w(i, k)
             state%f(i, k) = 0.0_wp
             state%t(i, k) = 0.0_wp
          end do
          if (size(state%own_f, 1) == 0) cycle
-         state%own_f(lo:hi, k) = 0.0_wp
-         state%own_t(lo:hi, k) = 0.0_wp
+         do i = lo, hi
+            state%own_f(i, k) = 0.0_wp
+            state%own_t(i, k) = 0.0_wp
+         end do
       end do
-   end subroutine open_leads
+   end subroutine no_forces
 
    !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
    !> inertias
@@ -125,17 +182,31 @@ contains
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, to, first, last
+      integer :: from, n, lane
 
       do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         first = model%hold_to((from - 1)/BLOCK) + 1
-         last = model%hold_to((to + BLOCK - 1)/BLOCK)
-         call predict(model, h, from, to, state)
-         call project_rates(model, state%final, state%active, first, last, state)
-         call inverse_inertias(model, state%poses%quat, from, to, state%poses%ij)
+         call movers(model, from, lane, n)
+         if (n == 1) then                               ! one lead: a kernel of its own
+            call look_block(1, from + lane - 1, model, h(lane:), state)
+         else if (n > 1) then
+            call look_block(n, from + lane - 1, model, h(lane:), state)
+         end if
       end do
    end subroutine look_leads
+
+   subroutine look_block(n, from, model, h, state)
+      integer, value :: n, from
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h(n)
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: first, last
+
+      call holds(model, from, first, last)
+      call predict(n, from, model, h, state)
+      call project_rates(model, state%final, state%active, first, last, state)
+      call inertias_of(n, from, model, state%poses%quat, state%poses%ij)
+   end subroutine look_block
 
    !> Second half kick of leads lo..hi and the sum of turns
    subroutine kick_leads(model, h, lo, hi, state)
@@ -144,21 +215,37 @@ contains
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, to, first, last, k
+      integer :: from, n, lane
 
       do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         first = model%hold_to((from - 1)/BLOCK) + 1
-         last = model%hold_to((to + BLOCK - 1)/BLOCK)
-         call keep_rates(model, first, last, state)
-         call half_kick(model, h, from, to, state)
-         call project(model, state%final, state%active, SECOND_HALF, first, last, state)
-         to = min(to, model%n_body)
-         do k = 1, 3
-            state%turn(from:to, k) = state%turn(from:to, k) + state%poses%psi(from:to, k)
-         end do
+         call add_impulses(model, h, from, min(from + BLOCK - 1, hi), state)
+         call movers(model, from, lane, n)
+         if (n == 1) then                               ! one lead: a kernel of its own
+            call kick_block(1, from + lane - 1, model, h(lane:), state)
+         else if (n > 1) then
+            call kick_block(n, from + lane - 1, model, h(lane:), state)
+         end if
       end do
    end subroutine kick_leads
+
+   subroutine kick_block(n, from, model, h, state)
+      integer, value :: n, from
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h(n)
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: i, k, first, last
+
+      call holds(model, from, first, last)
+      call keep_rates(model, first, last, state)
+      call kick(n, from, model, h, state)
+      call project(model, state%final, state%active, SECOND_HALF, first, last, state)
+      do k = 1, 3
+         do i = from, min(from + n - 1, model%n_body)
+            state%turn(i, k) = state%turn(i, k) + state%poses%psi(i, k)
+         end do
+      end do
+   end subroutine kick_block
 
    !> Add the wrenches of the joints to the leads lo..hi, at most BLOCK
    pure subroutine gather(model, lo, hi, state)
@@ -166,14 +253,17 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp), dimension(BLOCK, 3) :: f, t
-      real(wp), dimension(BLOCK) :: kn, kr            ! these wrenches have none
-      integer :: n
+      real(wp) :: total(N_SUM)
+      integer :: lead, hub, k
 
-      call gather_wrenches(model%map, state%wrench, state%part, lo, hi, f, t, kn, kr)
-      n = hi - lo + 1
-      state%f(lo:hi, :) = state%f(lo:hi, :) + f(:n, :)
-      state%t(lo:hi, :) = state%t(lo:hi, :) + t(:n, :)
+      hub = first_hub(model%map, lo)
+      do lead = lo, hi
+         call gather_wrench(model%map, state%wrench, state%part, lead, hub, total)
+         do k = 1, 3
+            state%f(lead, k) = state%f(lead, k) + total(k)
+            state%t(lead, k) = state%t(lead, k) + total(k + 3)
+         end do
+      end do
    end subroutine gather
 
 end module kj_consistent_leads

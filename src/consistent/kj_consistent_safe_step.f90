@@ -159,14 +159,14 @@ contains
       integer, intent(in) :: piece(3)            !! batch, first, last joint
       real(wp), intent(inout) :: lambda(:)       !! (n_element)
 
-      integer :: from
+      integer :: from, n
 
       do from = piece(2), piece(3), BLOCK
-         if (piece(3) == from) then                     ! one joint: a kernel of its own
+         n = min(BLOCK, piece(3) - from + 1)
+         if (n == 1) then                               ! one joint: a kernel of its own
             call eigenvalues_of(1, model, state, bound, piece(1), from, lambda)
          else
-            call eigenvalues_of(min(BLOCK, piece(3) - from + 1), model, state, bound, piece(1), &
-               from, lambda)
+            call eigenvalues_of(n, model, state, bound, piece(1), from, lambda)
          end if
       end do
    end subroutine eigenvalues_of_piece

@@ -72,6 +72,8 @@ module kj_consistent_state
       logical, allocatable :: steady(:)          !! (gravity cards) constant: has a potential
       type(hold_t), allocatable :: hold(:)       !! ascending lead; not of those that rest
       integer, allocatable :: hold_to(:)         !! (0:blocks of leads) holds up to that block
+      !> (2, blocks of leads) first and last lead that does not rest; last < first: all rest
+      integer, allocatable :: mover(:, :)
       integer, allocatable :: hold_of(:)         !! (n_lead) its conditions, 0 = none
       logical, allocatable :: rests(:)           !! (n_lead) blocked in all directions: no hold
       real(wp), allocatable :: turns(:)          !! (n_lead) 0 where it rests, else 1

@@ -7,7 +7,7 @@ module kj_lead_map
    implicit none
    private
 
-   public :: lead_map_t, build_lead_map, sum_hubs, gather_wrenches
+   public :: lead_map_t, build_lead_map, sum_hubs, gather_wrenches, gather_wrench, first_hub
 
    !> Rows of the wrench of a joint
    integer, parameter, public :: W_FORCE = 1     !! 1-3: force on end 1, W; end 2 gets the opposite
@@ -125,22 +125,11 @@ contains
       real(wp), contiguous, intent(inout) :: f(lo:, :), m(lo:, :), kn(lo:), kr(lo:)
 
       real(wp) :: total(N_SUM)
-      integer :: lead, h, p, next
+      integer :: lead, h
 
-      h = lower_bound(map%hub, lo)
-      next = 0
-      if (h <= size(map%hub)) next = map%hub(h)
+      h = first_hub(map, lo)
       do lead = lo, hi
-         if (lead == next) then
-            total = 0.0_wp
-            do p = map%part(h), map%part(h + 1) - 1
-               total = total + part(:, p)
-            end do
-            h = h + 1
-            if (h <= size(map%hub)) next = map%hub(h)
-         else
-            call sum_entries(map%first(lead), map%first(lead + 1) - 1, map%joint, wrench, total)
-         end if
+         call gather_wrench(map, wrench, part, lead, h, total)
          f(lead, 1) = total(1)
          f(lead, 2) = total(2)
          f(lead, 3) = total(3)
@@ -151,6 +140,38 @@ contains
          kr(lead) = total(8)
       end do
    end subroutine gather_wrenches
+
+   !> The first hub that is lead `lo` or comes after it
+   pure integer function first_hub(map, lo)
+      type(lead_map_t), intent(in) :: map
+      integer, intent(in) :: lo
+
+      first_hub = lower_bound(map%hub, lo)
+   end function first_hub
+
+   !> The sum of one lead: force, moment, kn, kr
+   pure subroutine gather_wrench(map, wrench, part, lead, hub, total)
+      type(lead_map_t), intent(in) :: map
+      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (rows of one, n_joint)
+      real(wp), intent(in) :: part(:, :)         !! (N_SUM, parts), see sum_hubs
+      integer, intent(in) :: lead
+      integer, intent(inout) :: hub              !! first hub not before lead; then the next
+      real(wp), intent(out) :: total(N_SUM)
+
+      integer :: p
+
+      if (hub <= size(map%hub)) then
+         if (lead == map%hub(hub)) then
+            total = 0.0_wp
+            do p = map%part(hub), map%part(hub + 1) - 1
+               total = total + part(:, p)
+            end do
+            hub = hub + 1
+            return
+         end if
+      end if
+      call sum_entries(map%first(lead), map%first(lead + 1) - 1, map%joint, wrench, total)
+   end subroutine gather_wrench
 
    !> Sum over the entries first..last
    pure subroutine sum_entries(first, last, joint, wrench, total)
