@@ -190,8 +190,7 @@ contains
             j = batch%first + from + i - 1
             w1 = 1.0_wp/(bound%share(1, j)*model%n_end(batch%lead(from + i - 1, 1)))
             w2 = 1.0_wp/(bound%share(2, j)*model%n_end(batch%lead(from + i - 1, 2)))
-            im(i, 1) = im(i, 1)*w1
-            im(i, 2) = im(i, 2)*w2
+            im(i, :) = im(i, :)*[w1, w2]
             ij1(i, :) = ij1(i, :)*w1
             ij2(i, :) = ij2(i, :)*w2
             g = 1.0_wp
