@@ -2,7 +2,7 @@
 !> at the same time t(n); the leads (bodies and free nodes) all have an attitude.
 module kj_consistent_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t
+   use kj_team, only: team_t, trial_t
    use kj_model, only: model_t
    use kj_joint_batch, only: joint_batch_t
    use kj_consistent_batch, only: consistent_joint_t
@@ -103,6 +103,7 @@ module kj_consistent_state
       type(consistent_joint_t), allocatable :: joint(:)
       real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element)
       real(wp), allocatable :: part(:, :)        !! (N_SUM, parts of hubs) their sums
+      type(trial_t) :: trial                     !! how many threads are at work
       !> (n_motion) wanted velocities of the step: mean, and at its end; which motions act
       real(wp), allocatable :: mean(:), final(:)
       logical, allocatable :: active(:)

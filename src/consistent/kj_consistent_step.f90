@@ -7,6 +7,7 @@ module kj_consistent_step
    use kj_skew, only: move_skews
    use kj_lead_map, only: sum_hubs
    use kj_model, only: motion_t, IMPOSE_DISPLACEMENT
+   use kj_team, only: next_cycle, team_clock
    use kj_consistent_springs, only: add_springs
    use kj_consistent_dampers, only: add_dampers
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -40,6 +41,10 @@ contains
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
+      real(wp) :: started
+
+      call next_cycle(model%team, state%trial)
+      started = team_clock(model%team)
       state%h = h
       if (size(model%motion) > 0) then
          call motion_targets(model, state, h, state%mean, state%final, state%active)
@@ -49,6 +54,7 @@ contains
       state%time = state%time + h
       call set_clock(model, h, state)
       call step_on(model, midpoint, state)
+      state%trial%spent = state%trial%spent + (team_clock(model%team) - started)
    end subroutine split_step
 
    !> The same from poses%time - poses%h to poses%time, by itself: motions and clock of the state
@@ -143,15 +149,15 @@ contains
 
       if (what == NOTHING) return
       associate (team => model%team)
-         if (iand(what, GATHERING) /= 0) call sum_hubs(model%map, team%threads, state%wrench, &
-            state%part)
-         if (team%threads == 1) then
+         if (iand(what, GATHERING) /= 0) call sum_hubs(model%map, state%trial%threads, &
+            state%wrench, state%part)
+         if (state%trial%threads == 1) then
             do piece = 1, size(team%lead, 2)
                call work_on_leads(what, team%lead(:, piece), model, step, state)
             end do
             return
          end if
-         !$omp parallel do schedule(dynamic, 1) num_threads(team%threads)
+         !$omp parallel do schedule(dynamic, 1) num_threads(state%trial%threads)
          do piece = 1, size(team%lead, 2)
             call work_on_leads(what, team%lead(:, piece), model, step, state)
          end do
@@ -167,13 +173,13 @@ contains
       integer :: piece
 
       associate (team => model%team)
-         if (team%threads == 1) then
+         if (state%trial%threads == 1) then
             do piece = 1, size(team%joint, 2)
                call work_on_joints(what, team%joint(:, piece), model, state)
             end do
             return
          end if
-         !$omp parallel do schedule(dynamic, 1) num_threads(team%threads)
+         !$omp parallel do schedule(dynamic, 1) num_threads(state%trial%threads)
          do piece = 1, size(team%joint, 2)
             call work_on_joints(what, team%joint(:, piece), model, state)
          end do

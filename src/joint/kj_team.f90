@@ -3,15 +3,32 @@
 !> which thread does what.
 module kj_team
    !$ use omp_lib, only: omp_get_num_procs
+   use kj_kinds, only: wp
+   use kj_system, only: wall_clock
    use kj_block, only: BLOCK
    implicit none
    private
 
-   public :: team_t, new_team, has_threads, processors
+   public :: team_t, trial_t, new_team, next_cycle, team_clock, has_threads, processors
 
    integer, parameter :: PIECES = 4               !! for each thread, at least: slower ones do fewer
    !> joints or leads in a piece
    integer, parameter, public :: MOST = 512
+
+   integer, parameter :: WINDOW = 4               !! cycles that are compared
+   integer, parameter :: SHORT = 8, LONG = 1024   !! windows of one thread after threads were slower
+   integer, parameter :: AGAIN = 32               !! windows of all threads between two looks at one
+
+   !> Threads, or one: on a machine that others use the one may be faster, as threads meet at the
+   !> end of each stage and wait for one that does not run. The time of the stages decides.
+   type :: trial_t
+      integer :: threads = 1                      !! of the stages of this cycle
+      real(wp) :: spent = 0.0_wp                  !! in the stages of this window [s]
+      real(wp) :: one = huge(1.0_wp)              !! in those of the last window of one thread
+      integer :: cycles = 0                       !! of this window that have begun
+      integer :: left = 1                         !! windows before the other is tried
+      integer :: pause = SHORT
+   end type trial_t
 
    !> The pieces: whole blocks
    type :: team_t
@@ -57,6 +74,45 @@ contains
       length = MOST
       if (threads > 1) length = min(MOST, BLOCK*max(1, n/(PIECES*threads*BLOCK)))
    end function piece_length
+
+   !> A cycle begins: with how many threads
+   pure subroutine next_cycle(team, trial)
+      type(team_t), intent(in) :: team
+      type(trial_t), intent(inout) :: trial
+
+      logical :: slower
+
+      if (team%threads == 1) return
+      slower = trial%threads > 1 .and. trial%spent > trial%one
+      if (trial%cycles < WINDOW .and. .not. slower) then
+         trial%cycles = trial%cycles + 1
+         return
+      end if
+      if (trial%threads == 1) trial%one = trial%spent
+      trial%left = trial%left - 1
+      if (slower) then
+         trial%threads = 1
+         trial%left = trial%pause
+         trial%pause = min(2*trial%pause, LONG)
+      else if (trial%left == 0 .and. trial%threads == 1) then
+         trial%threads = team%threads
+         trial%left = AGAIN
+      else if (trial%left == 0) then
+         trial%threads = 1
+         trial%left = 1
+         trial%pause = SHORT
+      end if
+      trial%cycles = 1
+      trial%spent = 0.0_wp
+   end subroutine next_cycle
+
+   !> The wall clock where next_cycle wants to know what stages take, else 0 [s]
+   real(wp) function team_clock(team)
+      type(team_t), intent(in) :: team
+
+      team_clock = 0.0_wp
+      if (team%threads > 1) team_clock = wall_clock()
+   end function team_clock
 
    !> Processors that this process may use
    integer function processors() result(n)

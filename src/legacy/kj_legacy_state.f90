@@ -4,7 +4,7 @@
 !> t(n).
 module kj_legacy_state
    use kj_kinds, only: wp
-   use kj_team, only: team_t, new_team
+   use kj_team, only: team_t, trial_t, new_team
    use kj_lead_map, only: N_SUM, N_WRENCH
    use kj_joint_batch, only: is_spring, SPRING13
    use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
@@ -49,6 +49,7 @@ module kj_legacy_state
       integer :: summed_joint = 0                          !! that has it, index among all
       ! nodes and leads
       type(team_t) :: team                                 !! pieces for the threads
+      type(trial_t) :: trial                               !! how many are at work
       type(world_t) :: world                               !! x, w, skew axes
       real(wp), allocatable :: d(:, :), v(:, :)            !! (n_node, 3); d where it is read
       real(wp), allocatable :: a(:, :), al(:, :)           !! (n_lead, 3)

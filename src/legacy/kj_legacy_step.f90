@@ -12,6 +12,7 @@ module kj_legacy_step
    use kj_joint_batch, only: is_spring
    use kj_legacy_force, only: add_joint_forces
    use kj_legacy_spring, only: add_spring_forces
+   use kj_team, only: next_cycle, team_clock
    use kj_lead_map, only: sum_hubs
    use kj_legacy_load, only: is_loaded, add_cloads, turn_loads, find_gravity, &
       hold_conditions, impose_motion
@@ -85,6 +86,7 @@ contains
 
       integer :: i
 
+      call next_cycle(state%team, state%trial)
       call check_turns(model, state, error)
       call weigh_spins(model, state)
       call for_leads(move, model, state)
@@ -143,18 +145,21 @@ contains
       type(model_t), intent(in) :: model
       type(legacy_state_t), intent(inout) :: state
 
+      real(wp) :: started
       integer :: piece
 
-      if (state%team%threads == 1) then
+      started = team_clock(state%team)
+      if (state%trial%threads == 1) then
          do piece = 1, pieces
             call stage(model, state, piece)
          end do
-         return
+      else
+         !$omp parallel do schedule(dynamic, 1) num_threads(state%trial%threads)
+         do piece = 1, pieces
+            call stage(model, state, piece)
+         end do
       end if
-      !$omp parallel do schedule(dynamic, 1) num_threads(state%team%threads)
-      do piece = 1, pieces
-         call stage(model, state, piece)
-      end do
+      state%trial%spent = state%trial%spent + (team_clock(state%team) - started)
    end subroutine in_pieces
 
    !> A stage for all leads
@@ -172,7 +177,7 @@ contains
       type(legacy_state_t), intent(inout) :: state
 
       call in_pieces(do_piece, size(state%team%joint, 2), model, state)
-      call sum_hubs(model%map, state%team%threads, state%wrench, state%part)
+      call sum_hubs(model%map, state%trial%threads, state%wrench, state%part)
    end subroutine do_joints
 
    subroutine do_piece(model, state, piece)
