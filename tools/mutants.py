@@ -64,7 +64,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/consistent/kj_consistent_dampers.f90", "state%dissipated(i) + 0.5_wp*h(i)*state%fd(i, k)*rate(i, k)", "state%dissipated(i) - 0.5_wp*h(i)*state%fd(i, k)*rate(i, k)", "accuracy.ledger physics"),
     ("src/consistent/kj_consistent_friction.f90", "0.5_wp*(state%friction(i, dof) + r(dof))*(trial(dof) - r(dof))/k(dof)", "0.5_wp*(state%friction(i, dof) - r(dof))*(trial(dof) - r(dof))/k(dof)", "unit.test_consistent_stop physics"),
     ("src/consistent/kj_consistent_stop.f90", "q(i, dof) < lo) over = q(i, dof) - lo", "q(i, dof) < lo) over = q(i, dof) - hi", "unit.test_consistent_stop"),
-    ("src/consistent/kj_consistent_safe_step.f90", "stiffness = max(0.0_wp, lanes%fe(lane_of(i), 1)/length)", "stiffness = k", "unit.test_consistent_springs accuracy.kinds physics"),
+    ("src/consistent/kj_consistent_safe_step.f90", "stiffness = max(0.0_wp, lanes%fe(lane_of(i), 1)/length)", "stiffness = k", "python_api"),
     ("src/consistent/kj_consistent_safe_step.f90", "moved = worst > 0.0_wp", "moved = .false.", "march"),
     ("src/consistent/kj_consistent_nodal_step.f90", "kn(lead) = kn(lead) + times*st", "kn(lead) = kn(lead) + 0.01_wp*times*st", "cli.check"),
     ("src/consistent/kj_consistent_springs.f90", "(q(i, k) - state%q(i, k))*(f(i, k) + state%fe(i, k))", "(q(i, k) - state%q(i, k))*(f(i, k) - state%fe(i, k))", "accuracy.ledger physics unit.test_consistent_springs"),

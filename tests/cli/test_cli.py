@@ -7,6 +7,7 @@ import array
 import fcntl
 import gzip
 import json
+import math
 import os
 import pathlib
 import pty
@@ -394,6 +395,10 @@ class Check(Program):
                        "                1e12                1e12                1e12")
         by_mass = compare("REV01_0000.rad")
         self.assertGreater(by_mass, 1.01*by_inertia)
+        # a third piece of code: consistent takes equal steps that are no longer than 0.9 of it
+        told = json.loads(self.kjoint("run", "--json", "REV01_0000.rad", "--dt-rule", "nodal", "--until", "1", "--sample",
+                                      "1", "-o", "nodal.h5").stdout)
+        self.assertAlmostEqual(math.ceil(1/(0.9*by_mass)), 1/told["time_step"], 6)
 
     def test_joints_without_limits_have_no_such_table(self):
         self.assertNotIn("friction", self.kjoint("check", "REV01_0000.rad").stdout)

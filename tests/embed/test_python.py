@@ -299,6 +299,16 @@ class Models(unittest.TestCase):
         run = self.driven(2, (0, 20), "0.5", keyword="/IMPACC")
         np.testing.assert_allclose(run["rigid_body/velocity[mass].x"][1:3], t**2, rtol=1e-3)
 
+    def test_a_slack_line_is_soft_across(self):
+        # k = 1e4 N/m along x at an arm a of 0.1 m along x, J = 1e-6 kg m2: a line without force turns nothing; as stiff
+        # across as along it would allow steps of 2 sqrt(J/(k a**2)) = 2e-4 s. Along: 2 sqrt(m/k) = 0.02 s, and some of it
+        m = kjoint.Mechanism()
+        tip = m.body(1.0, (1e-6, 1e-6, 1e-6), at=(1.1, 0, 0))
+        m.spring(m.ground(), tip, at_1=(0, 0, 0), at_2=(1, 0, 0), k=1e4)
+        step = m.run(until=1.0, sample=1.0).status.time_step
+        self.assertGreater(step, 2e-3)
+        self.assertLess(step, 0.02)
+
     def test_a_last_state_between_samples_says_so(self):
         run = self.slider().run(until=0.25, sample=0.1)
         self.assertEqual([0, 0, 0, 1], list(run["final"]))
