@@ -342,6 +342,16 @@ def cards_in_the_file(c):
     for tail in ("", "\n\n"):
         c.body("the file ends with an element", deck().replace("/END\n", "").replace("/SHELL/1\n" + shell, "") + "/SHELL/1\n"
                + shell.rstrip() + tail, 6, (1, 1, 0))
+    # lines longer than a piece of the file, cards across its edges
+    for at in (0, 13, 29, 57):
+        for block in ("\n/SHELL/1\n", "\n/NODE\n"):
+            long = "#" + "x"*(2**20 - deck().index(block) - at - 60) + "\n"
+            c.body("at the edge of a piece", deck().replace(block, "\n" + long + block[1:]), 6, (1, 1, 0))
+    c.body("a comment of 3 MB between shells", deck().replace(shell, shell + "#" + "x"*3000000 + "\n" + ints(2, 1, 2, 3, 4) + "\n"),
+           12, (1, 1, 0))
+    many = "".join(ints(k, 1, 2, 3, 4) + "\n" for k in range(1, 30001))      # a parameter a megabyte behind the first card
+    c.body("a parameter late", deck("/PARAMETER/GLOBAL/INTEGER/1\np\nk         " + ints(4) + "\n").replace(
+        shell, many + ints(30001, 1, 2, 3) + f"{'&k':>10}\n"), 6*30001, (1, 1, 0))
 
 
 def large(c):
