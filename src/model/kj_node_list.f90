@@ -1,13 +1,13 @@
 !> Lists of nodes that grow, lose members, and end sorted without repeats.
 module kj_node_list
-   use kj_sort, only: lookup_t, sorted_order, lower_bound
+   use kj_sort, only: lookup_t, sorted_order, sort_unique, lower_bound
    use kj_deck_text, only: lengthen
    implicit none
    private
 
    public :: node_list_t, add_node, add_nodes, add_range, remove_nodes, keep_nodes, finish_list
 
-   !> Nodes in the order they came, with repeats
+   !> Nodes in any order, with repeats
    type :: node_list_t
       integer :: n = 0
       integer, allocatable :: node(:)            !! (>= n) raw indices
@@ -21,10 +21,24 @@ contains
       type(node_list_t), intent(inout) :: list
 
       if (.not. allocated(list%node)) allocate (list%node(16))
-      if (list%n == size(list%node)) call lengthen(list%node)
+      if (list%n == size(list%node)) call make_room(list)
       list%n = list%n + 1
       list%node(list%n) = raw
    end subroutine add_node
+
+   !> Leave out repeats of a long list, and lengthen it where that is not enough
+   pure subroutine make_room(list)
+      type(node_list_t), intent(inout) :: list
+
+      integer, allocatable :: once(:)
+
+      if (list%n >= 65536) then
+         once = sort_unique(list%node)
+         list%n = size(once)
+         list%node(:list%n) = once
+      end if
+      if (2*list%n > size(list%node)) call lengthen(list%node)
+   end subroutine make_room
 
    !> Append nodes; zeros are left out
    pure subroutine add_nodes(raw, list)
