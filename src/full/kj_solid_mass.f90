@@ -2,6 +2,7 @@
 module kj_solid_mass
    use kj_kinds, only: wp
    use kj_math3, only: cross
+   use kj_shell_mass, only: triangle_shares
    implicit none
    private
 
@@ -89,23 +90,8 @@ contains
       a(:, 2) = middle(:, 3) - middle(:, 1)
       a(:, 3) = up
       share = abs(det(a))/6.0_wp
-      if (imas > 0) share = share*3.0_wp*[angle_shares(middle), angle_shares(middle)]
+      if (imas > 0) share = share*3.0_wp*[triangle_shares(middle), triangle_shares(middle)]
    end function wedge_shares
-
-   !> Angles of a triangle over pi
-   pure function angle_shares(x) result(a)
-      real(wp), intent(in) :: x(3, 3)
-      real(wp) :: a(3)
-
-      real(wp) :: u(3), v(3)
-      integer :: i
-
-      do i = 1, 3
-         u = x(:, modulo(i, 3) + 1) - x(:, i)
-         v = x(:, modulo(i + 1, 3) + 1) - x(:, i)
-         a(i) = atan2(norm2(cross(u, v)), dot_product(u, v))/acos(-1.0_wp)
-      end do
-   end function angle_shares
 
    !> Shares of a tetrahedron: V/4 each, or by the area of the face opposite to the node (imas 1)
    pure function tetra_shares(x, imas) result(share)
