@@ -99,7 +99,7 @@ contains
       source%text = ''
    end subroutine open_source
 
-   !> Lines for cards that stayed in the file, and a source for the piece of it that holds them
+   !> Lines for cards that stay in the file, and a source that they are copied into
    subroutine keep_lines_free(deck)
       type(deck_t), intent(inout) :: deck
 
@@ -109,9 +109,9 @@ contains
       source%path = ''
       source%text = ''
       source%role = PIECE
-      call add_source(deck, source, deck%piece)
+      call add_source(deck, source, deck%far_source)
       do i = 1, 3
-         call add_line(deck, deck%piece, 0, 1, 0)
+         call add_line(deck, deck%far_source, 0, 1, 0)
       end do
       deck%far_line = deck%n_line - 2
    end subroutine keep_lines_free

@@ -9,7 +9,7 @@ module kj_deck_text
    use kj_kinds, only: wp
    use kj_error, only: finding_list_t, add_at, SEV_ERROR, error_t, fail, fail_at, add_finding, &
       ERR_FILE, ERR_INPUT
-   use kj_file_lines, only: read_piece
+   use kj_file_lines, only: file_lines_t, read_piece
    use kj_units, only: unit_system_t, dimensions, factor_of
    use kj_keywords, only: keywords, N_KEYWORD
    implicit none
@@ -20,7 +20,7 @@ module kj_deck_text
       header_end, lengthen, mute_block, add_line, add_source, move_source, add_block, load_source, &
       put_text, folder_of, add_file_finding, block_at, kind_word
 
-   !> Roles of sources that are no files: lines made of others, a piece of a file
+   !> Roles of sources that are no files: lines made of others, cards that stay in their file
    character(len=*), parameter, public :: FLAT = 'flat', PIECE = 'piece'
 
    !> A file in memory
@@ -64,10 +64,10 @@ module kj_deck_text
       type(finding_list_t) :: findings
       type(source_t), allocatable :: source(:)  !! (n_source)
       integer :: n_source = 0
-      integer :: piece = 0                      !! the source that holds a piece of a file, 0 = none
-      integer :: piece_file = 0                 !! index of that file
-      integer(int64) :: piece_start = 0         !! bytes before the piece
-      integer :: far_line = 0                   !! the first of three lines for cards in the piece
+      ! of a full deck: cards that stay in their file
+      type(file_lines_t) :: far                 !! where they are read
+      integer :: far_source = 0                 !! the source that they are copied into, 0 = none
+      integer :: far_line = 0                   !! the first of three lines of it
       integer :: n_line = 0                     !! headers and cards; comments are left out
       integer, allocatable :: line_source(:)    !! (>= n_line) index of the file
       integer, allocatable :: line_number(:)    !! (>= n_line) number in the file, 1-based

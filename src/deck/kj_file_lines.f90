@@ -7,7 +7,7 @@ module kj_file_lines
 
    public :: file_lines_t, stand_at, take_next, read_piece, next_line, first_byte
 
-   integer, parameter, public :: PIECE_SIZE = 2**20   !! bytes of a piece
+   integer, parameter, public :: PIECE_SIZE = 2**18   !! bytes of a piece
 
    !> Where a reader of lines stands
    type :: file_lines_t
@@ -22,16 +22,23 @@ module kj_file_lines
 
 contains
 
-   !> Stand before a line, by default the first one
+   !> Stand before a line; no byte is read anew that the piece has
    subroutine stand_at(lines, path, start, number)
       type(file_lines_t), intent(inout) :: lines
       character(len=*), intent(in) :: path
       integer(int64), intent(in) :: start        !! bytes before it
       integer, intent(in) :: number              !! of the line before it
 
+      lines%number = number
+      if (allocated(lines%path)) then
+         if (lines%path == path .and. start >= lines%start .and. start <= lines%start + &
+            len(lines%text)) then
+            lines%next = int(start - lines%start) + 1
+            return
+         end if
+      end if
       lines%path = path
       lines%start = start
-      lines%number = number
       call read_piece(path, start, PIECE_SIZE, lines%text, lines%n_byte, lines%problem)
       lines%next = 1
       if (start == 0) lines%next = first_byte(lines%text)

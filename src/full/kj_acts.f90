@@ -18,7 +18,7 @@ module kj_acts
    use kj_element_mass, only: scales_t, element_t, first_element, next_element, NO_PROBLEM, &
       NO_DENSITY
    use kj_element_cards, only: element_row
-   use kj_full_card, only: card_real, glance_integer
+   use kj_full_card, only: card_real, card_integer
    use kj_keep, only: keep_t, body_of
    implicit none
    private
@@ -204,6 +204,7 @@ contains
 
       type(node_list_t) :: list
       integer :: card, k, i, id, body
+      logical :: fine
 
       touched = actors(row)%whom == ALL_OF_THEM
       list%n = 0
@@ -213,7 +214,7 @@ contains
             if (actors(row)%names(k) == A_PART) then
                id = draft%deck%block(block)%id
             else
-               call glance_integer(draft%deck, block, card, actors(row)%column(k), id)
+               call card_integer(draft%deck, block, card, actors(row)%column(k), id, fine=fine)
             end if
             if (id > 0) call named_nodes(draft, boxes, actors(row)%names(k), id, list)
          end do

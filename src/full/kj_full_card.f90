@@ -10,7 +10,7 @@ module kj_full_card
    implicit none
    private
 
-   public :: card_real, card_integer, glance_real, glance_integer, has_card
+   public :: card_real, card_integer, has_card
 
 contains
 
@@ -23,76 +23,56 @@ contains
    end function has_card
 
    !> Real in twenty columns of a card, in work units; 0 when it is blank or missing
-   subroutine card_real(deck, block, card, first, factor, value, item)
+   !>
+   !> Where it may not matter, `fine` tells that it is a number or blank; else a finding does.
+   subroutine card_real(deck, block, card, first, factor, value, item, fine)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: block, card         !! the title is not counted
       integer, intent(in) :: first               !! column
       real(wp), intent(in) :: factor             !! input to work units
       real(wp), intent(out) :: value
       integer, intent(in), optional :: item      !! in free format; first/20 + 1
+      logical, intent(out), optional :: fine
 
-      integer :: line, a, b
+      integer :: line, a, b, status
 
       value = 0.0_wp
+      if (present(fine)) fine = .true.
       if (.not. has_card(deck, block, card)) return
       line = first_card(deck, block) + card - 1
       call find_field(line_text(deck, line), first, first + 19, a, b, item)
-      call read_real_at(deck, line, a, b, 'the field', 'a real number', factor, value)
+      if (.not. present(fine)) then
+         call read_real_at(deck, line, a, b, 'the field', 'a real number', factor, value)
+      else if (b >= a) then
+         call parse_real(line_part(deck, line, a, b), value, status)
+         fine = status == NUMBER_FINE
+         value = merge(value*factor, 0.0_wp, fine)
+      end if
    end subroutine card_real
 
-   !> Integer in ten columns of a card; 0 when it is blank or missing
-   subroutine card_integer(deck, block, card, first, value, item)
+   !> Integer in ten columns of a card; 0 when it is blank or missing. Likewise
+   subroutine card_integer(deck, block, card, first, value, item, fine)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: block, card, first
       integer, intent(out) :: value
       integer, intent(in), optional :: item      !! in free format; first/10 + 1
+      logical, intent(out), optional :: fine
 
-      integer :: line, a, b
+      integer :: line, a, b, status
 
       value = 0
+      if (present(fine)) fine = .true.
       if (.not. has_card(deck, block, card)) return
       line = first_card(deck, block) + card - 1
       call find_field(line_text(deck, line), first, first + 9, a, b, item)
-      call read_integer_at(deck, line, a, b, 'the field', 'an integer', value)
+      if (.not. present(fine)) then
+         call read_integer_at(deck, line, a, b, 'the field', 'an integer', value)
+      else if (b >= a) then
+         call parse_integer(line_part(deck, line, a, b), value, status)
+         fine = status == NUMBER_FINE
+         if (.not. fine) value = 0
+      end if
    end subroutine card_integer
-
-   !> The same, without a finding: of what may not matter; fine: it is a number or blank
-   subroutine glance_real(deck, block, card, first, factor, value, fine)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, card, first
-      real(wp), intent(in) :: factor
-      real(wp), intent(out) :: value
-      logical, intent(out) :: fine
-
-      integer :: line, a, b, status
-
-      value = 0.0_wp
-      fine = .true.
-      if (.not. has_card(deck, block, card)) return
-      line = first_card(deck, block) + card - 1
-      call find_field(line_text(deck, line), first, first + 19, a, b)
-      if (b < a) return
-      call parse_real(line_part(deck, line, a, b), value, status)
-      fine = status == NUMBER_FINE
-      value = merge(value*factor, 0.0_wp, fine)
-   end subroutine glance_real
-
-   !> Integer in ten columns of a card, without a finding; 0 where there is none
-   subroutine glance_integer(deck, block, card, first, value)
-      type(deck_t), intent(in) :: deck
-      integer, intent(in) :: block, card, first
-      integer, intent(out) :: value
-
-      integer :: line, a, b, status
-
-      value = 0
-      if (.not. has_card(deck, block, card)) return
-      line = first_card(deck, block) + card - 1
-      call find_field(line_text(deck, line), first, first + 9, a, b)
-      if (b < a) return
-      call parse_integer(line_part(deck, line, a, b), value, status)
-      if (status /= NUMBER_FINE) value = 0
-   end subroutine glance_integer
 
    !> Columns of a line
    pure function line_part(deck, line, first, last) result(text)

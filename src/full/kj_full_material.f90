@@ -7,7 +7,7 @@ module kj_full_material
    use kj_keywords, only: keywords, KW_MAT_VOID
    use kj_deck_text, only: deck_t, block_factors, kind_word
    use kj_draft, only: draft_t
-   use kj_full_card, only: glance_real
+   use kj_full_card, only: card_real
    implicit none
    private
 
@@ -79,14 +79,14 @@ contains
       material%rigid = law == 'LAW13' .or. law == 'RIGID'
       if (.not. material%known .or. any(NONE == law) .or. index(law, 'USER') == 1) return
       factor = block_factors(draft%deck, block)
-      call glance_real(draft%deck, block, 1, 1, factor(D_DENSITY), material%density, &
-         material%known)
+      call card_real(draft%deck, block, 1, 1, factor(D_DENSITY), material%density, &
+         fine=material%known)
       material%elastic = any(ELASTIC == law)
       if (.not. material%elastic) return
       if (material%void) then
-         call glance_real(draft%deck, block, 1, 41, 1.0_wp, material%nu, material%elastic)
+         call card_real(draft%deck, block, 1, 41, 1.0_wp, material%nu, fine=material%elastic)
       else
-         call glance_real(draft%deck, block, 2, 21, 1.0_wp, material%nu, material%elastic)
+         call card_real(draft%deck, block, 2, 21, 1.0_wp, material%nu, fine=material%elastic)
       end if
    end subroutine read_material
 

@@ -345,8 +345,9 @@ def cards_in_the_file(c):
     # lines longer than a piece of the file, cards across its edges
     for at in (0, 13, 29, 57):
         for block in ("\n/SHELL/1\n", "\n/NODE\n"):
-            long = "#" + "x"*(2**20 - deck().index(block) - at - 60) + "\n"
-            c.body("at the edge of a piece", deck().replace(block, "\n" + long + block[1:]), 6, (1, 1, 0))
+            fill = 2**18 - deck().index(block) - len(block) - at
+            c.body("at the edge of a piece", deck().replace(block, "\n" + fill//100*("#" + "x"*98 + "\n") + "#" + "x"*(fill % 100) + block),
+                   6, (1, 1, 0))
     c.body("a comment of 3 MB between shells", deck().replace(shell, shell + "#" + "x"*3000000 + "\n" + ints(2, 1, 2, 3, 4) + "\n"),
            12, (1, 1, 0))
     many = "".join(ints(k, 1, 2, 3, 4) + "\n" for k in range(1, 30001))      # a parameter a megabyte behind the first card
