@@ -3,7 +3,7 @@ module kj_error
    implicit none
    private
 
-   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, first_error, code_of, &
+   public :: error_t, finding_list_t, fail, fail_at, add_finding, add_at, code_of, &
       has_finding, str, width_of
 
    integer, parameter, public :: ERR_RUN      = 1   !! the run left its valid range (NaN, dt -> 0)
@@ -119,21 +119,6 @@ contains
       end if
       call add_finding(list, finding)
    end subroutine add_at
-
-   !> The first error of a list as an error value; unallocated when there is none
-   subroutine first_error(list, error)
-      type(finding_list_t), intent(in) :: list
-      type(error_t), allocatable, intent(out) :: error
-
-      integer :: i
-
-      do i = 1, list%n
-         if (list%item(i)%severity /= SEV_ERROR) cycle
-         allocate (error)
-         error = list%item(i)
-         return
-      end do
-   end subroutine first_error
 
    !> What a list amounts to: 0 without errors, ERR_FILE when a file is among them, else ERR_INPUT
    pure integer function code_of(list) result(code)

@@ -10,7 +10,7 @@ module kj_study_report
    implicit none
    private
 
-   public :: print_study, study_json, study_csv, trial_name, advice
+   public :: print_study, study_json, study_csv, trial_name
 
    character(len=9), parameter :: SCHEMES(4) = [character(len=9) :: 'split2', 'liemid', 'rkmk4', &
       'legacy']

@@ -13,7 +13,7 @@ module kj_iso18571
 
    public :: iso18571_t, rate_iso18571
 
-   integer, parameter, public :: ISO_SHORTEST = 9     !! samples that a rating needs
+   integer, parameter :: ISO_SHORTEST = 9     !! samples that a rating needs
 
    !> The four ratings and their weighted sum
    type :: iso18571_t

@@ -14,7 +14,7 @@ module kj_t01_file
       decode_length, broken, close_t01_file
 
    integer, parameter, public :: MARK = 4          !! bytes of a record length
-   integer, parameter, public :: NO_RECORD = -1    !! read_length at the end of the file
+   integer, parameter :: NO_RECORD = -1    !! read_length at the end of the file
    integer, parameter :: CHUNK = 65536
    integer, parameter :: FIRST_TEXT = 80           !! characters of the deck title, record 1
 

@@ -19,7 +19,7 @@ module kj_series
    implicit none
    private
 
-   public :: series_t, find_series, series_value, series_unit, entity_name, channel_path, &
+   public :: series_t, find_series, series_value, series_unit, channel_path, &
       component_name
 
    integer, parameter, public :: NORM = 0        !! the length of the vector, as a component
