@@ -1,64 +1,22 @@
-!> `kjoint list --json` and `kjoint help --json`: the tables of the program for other programs.
+!> `kjoint help --json`: what the program knows for other programs.
 module kj_table_json
    use kj_version, only: KJOINT_VERSION
    use kj_units, only: dimensions
-   use kj_joint_types, only: joint_types, DOF_NAME, NDOF, FRAME_CROSS
    use kj_keywords, only: keywords, keyword_of, status_name
    use kj_card_fields, only: fields, EACH
-   use kj_channels, only: channels
-   use kj_series, only: channel_path
    use kj_message, only: messages, find_message
    use kj_option, only: commands, option_t, option, has_option, N_OPTION
    use kj_card_page, only: find_keyword_page
-   use kj_json_writer, only: json_member, json_pair, json_text, comma
+   use kj_json_writer, only: json_member, comma
    use kj_words, only: buffer_t, add
    implicit none
    private
 
-   public :: table_json, help_json
+   public :: help_json
 
    character(len=*), parameter :: BEGIN = '{"exit_code": 0, ', NL = new_line('a')
 
 contains
-
-   !> One of the tables joints, keywords, channels: an object with a list of its rows
-   subroutine table_json(name, b)
-      character(len=*), intent(in) :: name
-      type(buffer_t), intent(inout) :: b
-
-      integer :: i
-
-      call add(b, BEGIN//'"'//name//'": [')
-      select case (name)
-      case ('joints')
-         do i = 1, size(joint_types)
-            associate (t => joint_types(i))
-               call add(b, NL//'{'//json_member('type', t%id)//', '// &
-                  json_member('name', trim(t%name))//', '//json_member('nodes', t%n_axis_node)// &
-                  ', '//json_pair('free', directions(t%free == 1))//', '// &
-                  json_pair('blocked', directions(t%free == 0))//', '//json_member('frame', &
-                  trim(merge('cross', 'mean ', t%frame == FRAME_CROSS)))//'}'// &
-                  comma(i, size(joint_types)))
-            end associate
-         end do
-      case ('keywords')
-         do i = 1, size(keywords)
-            call add(b, NL//'{'//keyword_members(i)//'}'//comma(i, size(keywords)))
-         end do
-      case ('channels')
-         do i = 1, size(channels)
-            associate (c => channels(i))
-               call add(b, NL//'{'//json_member('channel', channel_path(i))//', '// &
-                  json_member('size', c%n_comp)//', '// &
-                  json_member('dimension', trim(dimensions(c%dim)%name))//', '// &
-                  json_member('class', trim(c%class))//', '//json_member('frame', trim(c%frame))// &
-                  ', '//json_member('radioss', trim(c%radioss))//', '// &
-                  json_member('meaning', trim(c%meaning))//'}'//comma(i, size(channels)))
-            end associate
-         end do
-      end select
-      call add(b, NL//']}')
-   end subroutine table_json
 
    pure function keyword_members(i) result(json)
       integer, intent(in) :: i
@@ -68,20 +26,6 @@ contains
          json_member('status', trim(status_name(keywords(i)%status)))//', '// &
          json_member('meaning', trim(keywords(i)%meaning))
    end function keyword_members
-
-   !> ["tx", "ry"]
-   pure function directions(wanted) result(json)
-      logical, intent(in) :: wanted(NDOF)
-      character(len=:), allocatable :: json
-
-      integer :: dof
-
-      json = ''
-      do dof = 1, NDOF
-         if (wanted(dof)) json = json//', '//json_text(trim(DOF_NAME(dof)))
-      end do
-      json = '['//json(min(3, len(json) + 1):)//']'
-   end function directions
 
    !> The program (topic ''), a command, a keyword or a message; nothing is added where a topic is
    !> none of these
