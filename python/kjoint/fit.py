@@ -20,7 +20,7 @@ import numpy as np
 from ._error import Error
 from .model import Model
 from .samples import Path
-from .variants import Array, Measure, default_workers, parse_varied, read_reference, run_options, settings
+from .variants import Array, Measure, default_workers, in_words, parse_varied, read_reference, run_options, settings
 
 LARGE = 1e3                                       # deviation of a run that fails
 NEAR = 1e-3                                       # a bound, over the range
@@ -176,7 +176,7 @@ def main(words: Sequence[str] | None = None) -> int:
         if not args.quiet and sys.stderr.isatty():
             print(f"\r{runs} runs, misfit {misfit:.3g}   ", end="", file=sys.stderr, flush=True)
 
-    try:
+    def work() -> int:
         if not args.measure or len(args.measure) != len(args.target):
             raise ValueError("each --measure has its --target")
         if args.starts < 1:
@@ -189,19 +189,13 @@ def main(words: Sequence[str] | None = None) -> int:
         if args.output:
             with open(args.output, "w", encoding="utf-8") as file:
                 json.dump(dataclasses.asdict(found), file, indent=1)
-    except (ValueError, TypeError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    except (Error, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return getattr(error, "status", 3)
-    except KeyboardInterrupt:
-        return 130
-    if not args.quiet:
-        if sys.stderr.isatty():
-            print(file=sys.stderr)
-        print(found.report())
-    return 0
+        if not args.quiet:
+            if sys.stderr.isatty():
+                print(file=sys.stderr)
+            print(found.report())
+        return 0
+
+    return in_words(work, "stopped")
 
 
 if __name__ == "__main__":

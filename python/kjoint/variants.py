@@ -51,6 +51,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 FUNCTIONS = "max, min, mean, rms, range, final, tmax, tmin, at(t), rmse(REF.h5), iso18571(REF.h5)"
 SIMPLE = ("max", "min", "mean", "rms", "range", "final", "tmax", "tmin")
 COMPARED = ("rmse", "iso18571")
+BLOCKS_EACH = 4
 
 
 class Grid:
@@ -216,8 +217,8 @@ class Plan:
         self.deck, self.engine, self.options = str(deck), str(engine) if engine else None, options
         self.names, self.values, self.measures, self.keep = names, values, measures, keep
         self.head = ["variant", *names, *(m.text for m in measures), "cycles", "status"]
-        self.block = max(1, min(64, len(values)//32))      # variants that a thread claims at a time
-        self.at_once = 1                                   # and that it runs side by side
+        self.block = 1                                     # variants that a thread claims at a time, see Store
+        self.beside = False                                # it runs them side by side
 
     def digest(self) -> str:
         """Of all that decides the rows, included files apart."""
@@ -237,7 +238,7 @@ class Plan:
                 raise
             model = Model(self.deck, self.engine, **self.options)
         if model.options.get("integrator") in ("split2", "liemid") and len(model.joints) <= 64:
-            self.at_once = self.block
+            self.beside = True
         model.start().sample()
         for m in self.measures:
             model.curve(m.channel)
@@ -283,11 +284,12 @@ def job() -> str:
     return at("PMIX_NAMESPACE") or uuid.uuid4().hex
 
 
-def rank() -> tuple[int, int]:
-    """Rank of this process, 0 where there is but one, and how many share its machine."""
+def rank() -> tuple[int, int, int]:
+    """Rank of this process, 0 where there is but one, how many share its machine, and how many there are."""
     at = os.environ.get
     return (int(at("OMPI_COMM_WORLD_RANK") or at("PMIX_RANK") or at("SLURM_PROCID") or 0),
-            int(at("OMPI_COMM_WORLD_LOCAL_SIZE") or (at("SLURM_PROCID") and at("SLURM_NTASKS_PER_NODE")) or 1))
+            int(at("OMPI_COMM_WORLD_LOCAL_SIZE") or (at("SLURM_PROCID") and at("SLURM_NTASKS_PER_NODE")) or 1),
+            int(at("OMPI_COMM_WORLD_SIZE") or (at("SLURM_PROCID") and at("SLURM_NTASKS")) or 1))
 
 
 class Store:
@@ -298,9 +300,8 @@ class Store:
     under way, and a sweep that was killed goes on from its files.
     """
 
-    def __init__(self, folder: Path, plan: Plan, resume: bool) -> None:
+    def __init__(self, folder: Path, plan: Plan, resume: bool, workers: int) -> None:
         self.folder, self.plan = pathlib.Path(folder), plan
-        self.n_block = -(-len(plan.values)//plan.block)
         self.rows: dict[int, Row] = {}
         self.lock = threading.Lock()
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -310,17 +311,22 @@ class Store:
             self.inside = open(self.folder / "inside", "a")
             alone = try_lock(self.inside)
             there = json.loads(note.read_text()) if note.exists() else {}
+            n = len(plan.values)
+            # a few blocks for each worker, and no more than march side by side
+            plan.block = max(1, min(64, n//(BLOCKS_EACH*workers*rank()[2])))
             if there and (resume or there["job"] == me):
                 if there["digest"] != digest:
                     raise ValueError(f"{folder} is of another sweep: deck, options, variants or measures differ")
+                plan.block = there["block"]
             elif not alone:
                 raise ValueError(f"another sweep writes to {folder}; --resume joins it")
             else:
                 for path in self.folder.glob("*.csv"):
                     path.unlink()
             if alone:
-                note.write_text(json.dumps({"job": me, "digest": digest}))
+                note.write_text(json.dumps({"job": me, "digest": digest, "block": plan.block}))
             fcntl.flock(self.inside, fcntl.LOCK_SH)
+        self.n_block = -(-n//plan.block)
 
     def work(self, stopped: threading.Event, told: Told | None, histories: pathlib.Path | None) -> None:
         """Do blocks until all are done, by whoever."""
@@ -358,8 +364,9 @@ class Store:
             self.take(int(row[0]) - 1, [*map(float, row[1:-2]), int(row[-2]), row[-1]])
         writer = csv.writer(file, lineterminator="\n")
         missing = [k for k in self.variants(b) if k not in self.rows]
-        for first in range(0, len(missing), self.plan.at_once):
-            rows = self.plan.run(missing[first:first + self.plan.at_once], stopped, histories)
+        at_once = self.plan.block if self.plan.beside else 1
+        for first in range(0, len(missing), at_once):
+            rows = self.plan.run(missing[first:first + at_once], stopped, histories)
             if stopped.is_set():                           # they may have been cut short
                 return
             for k, row in sorted(rows.items()):
@@ -457,10 +464,11 @@ def sweep(deck: Path, vary: Mapping[str, Any] | None = None, measure: Sequence[s
     n = len(values)
     with contextlib.ExitStack() as stack:
         folder = f"{output}.rows" if output else stack.enter_context(tempfile.TemporaryDirectory()) + "/rows"
-        store = Store(folder, work, resume)
+        workers = workers or default_workers()
+        store = Store(folder, work, resume, workers)
         rows = store.rows
         try:
-            work_in_threads(store, workers or default_workers(), told, histories)
+            work_in_threads(store, workers, told, histories)
         except BaseException:
             store.close()
             raise
@@ -555,6 +563,20 @@ def parse_varied(words: Iterable[str]) -> dict[str, str]:
     return dict(pairs)
 
 
+def in_words(command: Callable[[], int], stopped: str) -> int:
+    """Exit code of a command; what goes wrong stands on stderr, and `stopped` after Ctrl-C."""
+    try:
+        return command()
+    except (ValueError, TypeError) as error:
+        code, text = 2, f"error: {error}"
+    except (Error, OSError) as error:
+        code, text = getattr(error, "status", 3), f"error: {error}"
+    except KeyboardInterrupt:
+        code, text = 130, stopped
+    print(text, file=sys.stderr)
+    return code
+
+
 def main(words: Sequence[str] | None = None) -> int:
     """The command line, as `kjoint sweep` hands it over."""
     parser = argparse.ArgumentParser(prog="kjoint sweep", description="run variants of a deck")
@@ -583,7 +605,7 @@ def main(words: Sequence[str] | None = None) -> int:
         if first and not args.quiet and sys.stderr.isatty():
             print(f"\r{done} of {of} variants", end="" if done < of else "\n", file=sys.stderr, flush=True)
 
-    try:
+    def run() -> int:
         if not args.measure:
             raise ValueError("nothing is measured: --measure CHANNEL:FUNCTION")
         if bool(args.vary) == bool(args.table):
@@ -606,27 +628,20 @@ def main(words: Sequence[str] | None = None) -> int:
         result = sweep(args.deck, None, args.measure, table=table, engine=args.engine,
                        workers=workers and int(workers), output=args.output, resume=args.resume, told=told,
                        keep=parse_numbers(args.keep, n) if args.keep else (), reproducible=args.reproducible, **options)
-    except (ValueError, TypeError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    except (Error, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return getattr(error, "status", 3)
-    except KeyboardInterrupt:
-        print(f"stopped; --resume goes on from {args.output}.rows", file=sys.stderr)
-        return 130
-    failed = [text for text in result["status"].values if text]
-    if first and not args.quiet:
-        for text in args.measure:
-            y = result[text].values
-            fine = y[np.isfinite(y)]
-            if len(fine):
-                print(f"{text:40}  {fine.min():.6g} to {fine.max():.6g}, mean {fine.mean():.6g}, "
-                      f"deviation {fine.std():.3g}  {result[text].attrs['units']}")
-        print(f"{n} variants, {len(failed)} failed, {time.monotonic() - began:.1f} s: {args.output}")
-    if first and failed:
-        print(f"warning: {len(failed)} of {n} variants failed, such as: {failed[0]}", file=sys.stderr)
-    return 1 if len(failed) == n else 0
+        failed = [text for text in result["status"].values if text]
+        if first and not args.quiet:
+            for text in args.measure:
+                y = result[text].values
+                fine = y[np.isfinite(y)]
+                if len(fine):
+                    print(f"{text:40}  {fine.min():.6g} to {fine.max():.6g}, mean {fine.mean():.6g}, "
+                          f"deviation {fine.std():.3g}  {result[text].attrs['units']}")
+            print(f"{n} variants, {len(failed)} failed, {time.monotonic() - began:.1f} s: {args.output}")
+        if first and failed:
+            print(f"warning: {len(failed)} of {n} variants failed, such as: {failed[0]}", file=sys.stderr)
+        return 1 if len(failed) == n else 0
+
+    return in_words(run, f"stopped; --resume goes on from {args.output}.rows")
 
 
 if __name__ == "__main__":
