@@ -36,11 +36,18 @@ contains
       integer :: from
 
       do from = lo, hi, BLOCK
-         if (hi == from) then                           ! one joint: a kernel of its own
+         select case (hi - from + 1)                    ! few joints: kernels of their own
+         case (1)
             call dampers_of(1, batch, curves, poses, from, joint, wrench)
-         else
+         case (2)
+            call dampers_of(2, batch, curves, poses, from, joint, wrench)
+         case (3)
+            call dampers_of(3, batch, curves, poses, from, joint, wrench)
+         case (4)
+            call dampers_of(4, batch, curves, poses, from, joint, wrench)
+         case default
             call dampers_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
-         end if
+         end select
       end do
    end subroutine add_dampers
 

@@ -26,16 +26,30 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, n, lane
+      integer :: from, n, lane, many
 
       do from = lo, hi, BLOCK
          call add_impulses(model, h, from, min(from + BLOCK - 1, hi), state)
          call movers(model, from, lane, n)
-         if (n == 1) then                               ! one lead: a kernel of its own
-            call move_block(1, from + lane - 1, model, midpoint, h(lane:), state)
-         else if (n > 1) then
-            call move_block(n, from + lane - 1, model, midpoint, h(lane:), state)
-         end if
+         do while (n > 0)
+            many = part_of(n, model, from)
+            select case (many)
+            case (1)
+               call move_block(1, from + lane - 1, model, midpoint, h(lane:), state)
+            case (2)
+               call move_block(2, from + lane - 1, model, midpoint, h(lane:), state)
+            case (3)
+               call move_block(3, from + lane - 1, model, midpoint, h(lane:), state)
+            case (4)
+               call move_block(4, from + lane - 1, model, midpoint, h(lane:), state)
+            case (8)
+               call move_block(8, from + lane - 1, model, midpoint, h(lane:), state)
+            case default
+               call move_block(many, from + lane - 1, model, midpoint, h(lane:), state)
+            end select
+            lane = lane + many
+            n = n - many
+         end do
       end do
       call no_forces(lo, hi, state)
    end subroutine move_leads
@@ -52,6 +66,18 @@ contains
          n = merge(m(2) - m(1) + 1, 0, m(1) > 0)
       end associate
    end subroutine movers
+
+   !> How many of n leads of the block that begins with lead lo go through a kernel at once: numbers
+   !> that have kernels of their own; all where some have conditions
+   pure integer function part_of(n, model, lo) result(many)
+      integer, intent(in) :: n, lo
+      type(consistent_model_t), intent(in) :: model
+
+      many = n
+      if (n > 8) many = 8
+      if (n > 4 .and. n < 8) many = 4
+      if (model%hold_to(block_of(lo)) > model%hold_to(block_of(lo) - 1)) many = n
+   end function part_of
 
    !> move_leads for n leads from ...
    subroutine move_block(n, from, model, midpoint, h, state)
@@ -182,15 +208,29 @@ contains
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, n, lane
+      integer :: from, n, lane, many
 
       do from = lo, hi, BLOCK
          call movers(model, from, lane, n)
-         if (n == 1) then                               ! one lead: a kernel of its own
-            call look_block(1, from + lane - 1, model, h(lane:), state)
-         else if (n > 1) then
-            call look_block(n, from + lane - 1, model, h(lane:), state)
-         end if
+         do while (n > 0)
+            many = part_of(n, model, from)
+            select case (many)
+            case (1)
+               call look_block(1, from + lane - 1, model, h(lane:), state)
+            case (2)
+               call look_block(2, from + lane - 1, model, h(lane:), state)
+            case (3)
+               call look_block(3, from + lane - 1, model, h(lane:), state)
+            case (4)
+               call look_block(4, from + lane - 1, model, h(lane:), state)
+            case (8)
+               call look_block(8, from + lane - 1, model, h(lane:), state)
+            case default
+               call look_block(many, from + lane - 1, model, h(lane:), state)
+            end select
+            lane = lane + many
+            n = n - many
+         end do
       end do
    end subroutine look_leads
 
@@ -215,16 +255,30 @@ contains
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, n, lane
+      integer :: from, n, lane, many
 
       do from = lo, hi, BLOCK
          call add_impulses(model, h, from, min(from + BLOCK - 1, hi), state)
          call movers(model, from, lane, n)
-         if (n == 1) then                               ! one lead: a kernel of its own
-            call kick_block(1, from + lane - 1, model, h(lane:), state)
-         else if (n > 1) then
-            call kick_block(n, from + lane - 1, model, h(lane:), state)
-         end if
+         do while (n > 0)
+            many = part_of(n, model, from)
+            select case (many)
+            case (1)
+               call kick_block(1, from + lane - 1, model, h(lane:), state)
+            case (2)
+               call kick_block(2, from + lane - 1, model, h(lane:), state)
+            case (3)
+               call kick_block(3, from + lane - 1, model, h(lane:), state)
+            case (4)
+               call kick_block(4, from + lane - 1, model, h(lane:), state)
+            case (8)
+               call kick_block(8, from + lane - 1, model, h(lane:), state)
+            case default
+               call kick_block(many, from + lane - 1, model, h(lane:), state)
+            end select
+            lane = lane + many
+            n = n - many
+         end do
       end do
    end subroutine kick_leads
 

@@ -180,8 +180,8 @@ contains
       integer, intent(in) :: b, from
       real(wp), intent(inout) :: lambda(:)       !! (n_element)
 
-      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), k(BLOCK, 6), &
-         c_part(BLOCK, 6), part(BLOCK), root(BLOCK), w1, w2, g
+      real(wp), dimension(BLOCK, 6) :: ij1, ij2, k, c_part
+      real(wp) :: im(BLOCK, 2), s(BLOCK, 21), part(BLOCK), root(BLOCK), w1, w2, g
       integer :: i, j
 
       associate (batch => model%batch(b), joint => state%joint(b))

@@ -41,11 +41,18 @@ contains
       integer :: from
 
       do from = lo, hi, BLOCK
-         if (hi == from) then                           ! one joint: a kernel of its own
+         select case (hi - from + 1)                    ! few joints: kernels of their own
+         case (1)
             call springs_of(1, batch, curves, poses, from, joint, wrench)
-         else
+         case (2)
+            call springs_of(2, batch, curves, poses, from, joint, wrench)
+         case (3)
+            call springs_of(3, batch, curves, poses, from, joint, wrench)
+         case (4)
+            call springs_of(4, batch, curves, poses, from, joint, wrench)
+         case default
             call springs_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
-         end if
+         end select
       end do
    end subroutine add_springs
 

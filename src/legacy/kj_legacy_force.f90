@@ -44,12 +44,19 @@ contains
       integer :: from
 
       do from = lo, hi, BLOCK
-         if (hi == from) then                           ! one joint: a kernel of its own
+         select case (hi - from + 1)                    ! few joints: kernels of their own
+         case (1)
             call add_block(batch, curves, world, h, keep_rates, from, 1, joint, wrench)
-         else
+         case (2)
+            call add_block(batch, curves, world, h, keep_rates, from, 2, joint, wrench)
+         case (3)
+            call add_block(batch, curves, world, h, keep_rates, from, 3, joint, wrench)
+         case (4)
+            call add_block(batch, curves, world, h, keep_rates, from, 4, joint, wrench)
+         case default
             call add_block(batch, curves, world, h, keep_rates, from, min(BLOCK, hi - from + 1), &
                joint, wrench)
-         end if
+         end select
       end do
    end subroutine add_joint_forces
 
