@@ -67,14 +67,13 @@ contains
       end associate
    end subroutine movers
 
-   !> How many of n leads of the block that begins with lead lo go through a kernel at once: numbers
-   !> that have kernels of their own; all where some have conditions
+   !> How many of n leads of the block that begins with lead lo go through a kernel at once: few in
+   !> numbers that have kernels of their own, unless some have conditions
    pure integer function part_of(n, model, lo) result(many)
       integer, intent(in) :: n, lo
       type(consistent_model_t), intent(in) :: model
 
       many = n
-      if (n > 8) many = 8
       if (n > 4 .and. n < 8) many = 4
       if (model%hold_to(block_of(lo)) > model%hold_to(block_of(lo) - 1)) many = n
    end function part_of
