@@ -88,8 +88,10 @@ contains
       integer :: i, s, k
 
       allocate (wide%hold(BLOCK*size(model%hold)), wide%hold_to(0:model%n_lead))
+      allocate (wide%mover(2, model%n_lead), source=0)
       wide%hold_to(0) = 0
       do i = 1, model%n_lead
+         if (.not. model%rests(i)) wide%mover(:, i) = [BLOCK*(i - 1) + 1, BLOCK*i]
          wide%hold_to(i) = BLOCK*count(model%hold%lead <= i)
       end do
       do i = 1, size(wide%hold)

@@ -169,16 +169,17 @@ contains
       type(rates_t), intent(inout) :: stage
 
       real(wp), dimension(3) :: u, w, once, twice
+      real(wp) :: whole(BLOCK)                       ! count_damping counts half a step
       integer :: i, b
 
+      whole = 2.0_wp*share
       state%poses%v = state%v
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       do b = 1, size(model%batch)
          if (.not. model%batch(b)%geometry%damped) cycle
          do i = 1, model%batch(b)%n, BLOCK
-            call count_damping(model%batch(b), state%poses%v, state%poses%w, &
-               spread(2.0_wp*share, 1, BLOCK), i, min(BLOCK, model%batch(b)%n - i + 1), &
-               state%joint(b)%block((i - 1)/BLOCK + 1))
+            call count_damping(model%batch(b), state%poses%v, state%poses%w, whole, i, &
+               min(BLOCK, model%batch(b)%n - i + 1), state%joint(b)%block((i - 1)/BLOCK + 1))
          end do
       end do
       work = work + share*load_power(model, state)

@@ -9,17 +9,17 @@ from pathlib import Path
 # type, its file, the procedure that keeps it, its file; fields that follow from the model
 KEPT = [
     ("consistent_state_t", "consistent/kj_consistent_state.f90", "keep_state", "consistent/kj_consistent_archive.f90",
-     "mean final active stages"),
+     "mean final active stages trial"),
     ("kept_t", "consistent/kj_consistent_state.f90", "keep_kept", "consistent/kj_consistent_archive.f90", ""),
     ("poses_t", "consistent/kj_consistent_matrix.f90", "keep_poses", "consistent/kj_consistent_archive.f90", ""),
     ("consistent_joint_t", "consistent/kj_consistent_batch.f90", "keep_joint", "consistent/kj_consistent_archive.f90", ""),
     ("march_t", "consistent/kj_consistent_march.f90", "keep_march", "consistent/kj_consistent_archive.f90", ""),
     ("bound_t", "consistent/kj_consistent_safe_step.f90", "keep_bound", "consistent/kj_consistent_archive.f90", "lambda"),
     ("contact_t", "consistent/kj_consistent_impact_step.f90", "keep_contact", "consistent/kj_consistent_archive.f90", ""),
-    ("legacy_state_t", "legacy/kj_legacy_state.f90", "keep_legacy", "legacy/kj_legacy_archive.f90", "team crew jointed sprung on_main idle_limit"),
+    ("legacy_state_t", "legacy/kj_legacy_state.f90", "keep_legacy", "legacy/kj_legacy_archive.f90", "team crew jointed sprung on_main idle_limit trial"),
     ("world_t", "legacy/kj_legacy_force.f90", "keep_world", "legacy/kj_legacy_archive.f90", ""),
     ("legacy_joint_t", "legacy/kj_legacy_joint.f90", "keep_joint", "legacy/kj_legacy_archive.f90", ""),
-    ("gravity_t", "model/kj_gravity.f90", "keep_gravity", "model/kj_gravity.f90", ""),
+    ("gravity_t", "model/kj_gravity.f90", "keep_gravity", "model/kj_gravity.f90", "each"),
     ("scheme_t", "api/kj_scheme.f90", "keep_scene", "api/kj_checkpoint.f90",
      "legacy integrator nodal islands n_island shown pause"),
 ]
