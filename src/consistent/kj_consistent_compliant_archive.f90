@@ -27,6 +27,7 @@ contains
       end do
       call keep(self, state%h_factor)
       call keep(self, state%h_last)
+      call keep(self, state%h_stiff)
       call keep(self, state%known)
       call keep(self, state%h_known)
       call keep(self, state%renewed)

@@ -43,6 +43,7 @@ contains
          self%rigid = rigid
          allocate (self%joint(size(model%batch)), self%rowed(size(model%batch)), &
             self%sprung(size(model%batch)), self%damped(size(model%batch)), &
+            self%turned(size(model%batch)), &
             self%explicit(NDOF, size(model%batch)))
          ends = 0
          do b = 1, size(model%batch)
@@ -94,6 +95,7 @@ contains
          self%sprung(b) = batch%limited .or. any(self%explicit(:, b) .and. &
             iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE + LAW_HARDENED) /= 0)
          self%rowed(b) = self%damped(b) .or. any(.not. self%explicit(:, b))
+         self%turned(b) = self%damped(b) .or. any(.not. self%explicit(4:6, b))
          do at = 1, size(self%joint(b)%block)
             do i = 1, min(BLOCK, batch%n - BLOCK*(at - 1))
                j = BLOCK*(at - 1) + i

@@ -29,10 +29,11 @@ contains
       type(compliant_t), intent(inout) :: self
       logical, intent(out) :: good
 
+      real(wp), parameter :: NONE(BLOCK, 6) = 0.0_wp
       type(coefficients_t) :: a
       integer :: b, at, n, i
 
-      self%factor%below = 0.0_wp
+      self%factor%below(:, :, :) = 0.0_wp
       call put_masses(model, state, active, self)
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
@@ -40,15 +41,18 @@ contains
             n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
             associate (rows => self%joint(b)%block(at))
                if (tried) then
-                  call coefficients(n, rows%weight + rows%damp, rows%b, a)
+                  call coefficients(n, self%turned(b), rows%weight, rows%damp, rows%b, a)
                else
-                  call coefficients(n, rows%weight, state%joint(b)%block(at)%b, a)
+                  call coefficients(n, self%turned(b), rows%weight, NONE, &
+                     state%joint(b)%block(at)%b, a)
                end if
             end associate
-            do i = 1, n
-               call scatter(model%batch(b)%lead(BLOCK*(at - 1) + i, :), &
-                  model%batch(b)%first + BLOCK*(at - 1) + i, i, a, self)
-            end do
+            associate (from => BLOCK*(at - 1), lead => model%batch(b)%lead)
+               do i = 1, n
+                  call scatter(lead(from + i, 1), lead(from + i, 2), &
+                     self%pattern%place(model%batch(b)%first + from + i), i, self%turned(b), a, self)
+               end do
+            end associate
          end do
       end do
       call factorise(self%pattern, self%factor, good)
@@ -61,17 +65,25 @@ contains
       logical, intent(in) :: active(:)
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: e(3, 3), j(3, 3), m(3, 3), p(3, 3), s
-      integer :: i, k, lead
+      real(wp) :: e(9), q(4), j(3, 3), m(3, 3), p(3, 3), i1, i2, i3, s
+      integer :: i, k, l, lead
 
       do i = 1, self%pattern%n
          lead = self%pattern%lead(i)
-         e = reshape(columns(state%poses%quat(lead, :)), [3, 3])
-         j = matmul(e*spread(model%spin_inertia(lead, :), 1, 3), transpose(e))
-         m = 0.0_wp
+         q = state%poses%quat(lead, :)
+         e = columns(q)
+         i1 = model%spin_inertia(lead, 1)
+         i2 = model%spin_inertia(lead, 2)
+         i3 = model%spin_inertia(lead, 3)
          do k = 1, 3
-            m(k, k) = model%mass(lead)
+            do l = 1, 3
+               j(l, k) = (i1*e(k))*e(l) + (i2*e(k + 3))*e(l + 3) + (i3*e(k + 6))*e(l + 6)
+            end do
          end do
+         m = 0.0_wp
+         m(1, 1) = model%mass(lead)
+         m(2, 2) = model%mass(lead)
+         m(3, 3) = model%mass(lead)
          if (self%partly(lead)) then
             call free_directions(model, state, lead, active, self%free(:, :, :, lead))
             do k = 1, 2
@@ -81,7 +93,7 @@ contains
                   m = matmul(p, matmul(m, p))
                   call fill(s, p, m)
                else
-                  s = max(maxval(model%spin_inertia(lead, :)), 1.0e-6_wp*model%mass(lead), tiny(s))
+                  s = max(i1, i2, i3, 1.0e-6_wp*model%mass(lead), tiny(s))
                   j = matmul(p, matmul(j, p))
                   call fill(s, p, j)
                end if
@@ -110,36 +122,46 @@ contains
       end subroutine fill
    end subroutine put_masses
 
-   !> Add what joint number `joint` couples, lane i of a block
-   subroutine scatter(lead, joint, i, a, self)
-      integer, intent(in) :: lead(2), joint, i
+   !> Add what the joint in lane i of a block couples, between two leads
+   subroutine scatter(lead1, lead2, place, i, turned, a, self)
+      integer, intent(in) :: lead1, lead2, place, i
+      logical, intent(in) :: turned              !! some rows are rotations
+      type(coefficients_t), intent(in) :: a
+      type(compliant_t), intent(inout) :: self
+
+      associate (f => self%factor, c1 => self%pattern%column(lead1), &
+         c2 => self%pattern%column(lead2))
+         if (place == 0 .or. self%partly(lead1) .or. self%partly(lead2)) then
+            call scatter_held([lead1, lead2], [c1, c2], place, i, turned, a, self)
+            return
+         end if
+         call add_end(i, turned, a%ff, a%fc, 1.0_wp, a%cc, a%tt, f%diagonal(:, :, c1))
+         call add_end(i, turned, a%ff, a%fm, -1.0_wp, a%mm, a%tt, f%diagonal(:, :, c2))
+         call add_both(i, turned, c2 < c1, a, f%below(:, :, place))
+      end associate
+   end subroutine scatter
+
+   !> The same where a lead is held, in some directions or all, or is both
+   subroutine scatter_held(lead, at, place, i, turned, a, self)
+      integer, intent(in) :: lead(2), at(2), place, i
+      logical, intent(in) :: turned
       type(coefficients_t), intent(in) :: a
       type(compliant_t), intent(inout) :: self
 
       real(wp) :: d(6, 6, 2), l(6, 6)
-      integer :: at(2), e
+      integer :: e, k
 
-      at(1) = self%pattern%column(lead(1))
-      at(2) = self%pattern%column(lead(2))
       d = 0.0_wp
       l = 0.0_wp
-      if (all(at > 0) .and. at(1) /= at(2) .and. .not. (self%partly(lead(1)) .or. &
-         self%partly(lead(2)))) then
-         associate (f => self%factor, place => self%pattern%place(joint))
-            call add_end(i, a%ff, a%fc, 1.0_wp, a%cc, a%tt, f%diagonal(:, :, at(1)))
-            call add_end(i, a%ff, a%fm, -1.0_wp, a%mm, a%tt, f%diagonal(:, :, at(2)))
-            if (at(1) < at(2)) call add_both(i, a, f%below(:, :, place))
-            if (at(2) < at(1)) call add_both_turned(i, a, f%below(:, :, place))
-         end associate
-         return
-      end if
-      call add_end(i, a%ff, a%fc, 1.0_wp, a%cc, a%tt, d(:, :, 1))
-      call add_end(i, a%ff, a%fm, -1.0_wp, a%mm, a%tt, d(:, :, 2))
-      call add_both(i, a, l)
+      call add_end(i, turned, a%ff, a%fc, 1.0_wp, a%cc, a%tt, d(:, :, 1))
+      call add_end(i, turned, a%ff, a%fm, -1.0_wp, a%mm, a%tt, d(:, :, 2))
+      call add_both(i, turned, .false., a, l)
       do e = 1, 2
          if (at(e) == 0) cycle
-         d(1:3, 4:6, e) = transpose(d(4:6, 1:3, e))
          if (self%partly(lead(e))) then
+            do k = 2, 6
+               d(:k - 1, k, e) = d(k, :k - 1, e)
+            end do
             call hold(self%free(:, :, :, lead(e)), d(:, :, e))
             d(:, :, e) = transpose(d(:, :, e))
             call hold(self%free(:, :, :, lead(e)), d(:, :, e))
@@ -154,15 +176,14 @@ contains
          self%factor%diagonal(:, :, at(1)) = self%factor%diagonal(:, :, at(1)) + l + transpose(l)
       else
          if (at(2) < at(1)) l = transpose(l)
-         associate (place => self%pattern%place(joint))
-            self%factor%below(:, :, place) = self%factor%below(:, :, place) + l
-         end associate
+         self%factor%below(:, :, place) = self%factor%below(:, :, place) + l
       end if
-   end subroutine scatter
+   end subroutine scatter_held
 
-   !> Add a diagonal block: all but its upper right part, which nothing reads
-   pure subroutine add_end(i, ff, fc, sign, cc, tt, d)
+   !> Add to the lower triangle of a diagonal block
+   pure subroutine add_end(i, turned, ff, fc, sign, cc, tt, d)
       integer, intent(in) :: i
+      logical, intent(in) :: turned
       real(wp), intent(in) :: ff(BLOCK, 9), fc(BLOCK, 9), cc(BLOCK, 9), tt(BLOCK, 9), sign
       real(wp), intent(inout) :: d(6, 6)
 
@@ -170,16 +191,20 @@ contains
 
       do j = 1, 3
          do k = 1, 3
-            d(k, j) = d(k, j) + ff(i, 3*j + k - 3)
             d(k + 3, j) = d(k + 3, j) + sign*fc(i, 3*k + j - 3)
-            d(k + 3, j + 3) = d(k + 3, j + 3) + (cc(i, 3*j + k - 3) + tt(i, 3*j + k - 3))
+         end do
+         do k = j, 3
+            d(k, j) = d(k, j) + ff(i, 3*j + k - 3)
+            d(k + 3, j + 3) = d(k + 3, j + 3) + cc(i, 3*j + k - 3)
+            if (turned) d(k + 3, j + 3) = d(k + 3, j + 3) + tt(i, 3*j + k - 3)
          end do
       end do
    end subroutine add_end
 
-   !> Add the block of rows of end 2 and columns of end 1
-   pure subroutine add_both(i, a, l)
+   !> Add the block of rows of end 2 and columns of end 1, or its transpose
+   pure subroutine add_both(i, turned, transposed, a, l)
       integer, intent(in) :: i
+      logical, intent(in) :: turned, transposed
       type(coefficients_t), intent(in) :: a
       real(wp), intent(inout) :: l(6, 6)
 
@@ -187,31 +212,23 @@ contains
 
       do j = 1, 3
          do k = 1, 3
-            l(k, j) = l(k, j) - a%ff(i, 3*j + k - 3)
-            l(k + 3, j) = l(k + 3, j) + a%fm(i, 3*k + j - 3)
-            l(k, j + 3) = l(k, j + 3) - a%fc(i, 3*j + k - 3)
-            l(k + 3, j + 3) = l(k + 3, j + 3) + (a%mc(i, 3*j + k - 3) - a%tt(i, 3*j + k - 3))
+            associate (low => 3*min(j, k) + max(j, k) - 3, at => 3*j + k - 3, &
+               turned_at => 3*k + j - 3)
+               l(k, j) = l(k, j) - a%ff(i, low)
+               if (turned) l(k + 3, j + 3) = l(k + 3, j + 3) - a%tt(i, low)
+               if (transposed) then
+                  l(k, j + 3) = l(k, j + 3) + a%fm(i, at)
+                  l(k + 3, j) = l(k + 3, j) - a%fc(i, turned_at)
+                  l(k + 3, j + 3) = l(k + 3, j + 3) + a%mc(i, turned_at)
+               else
+                  l(k + 3, j) = l(k + 3, j) + a%fm(i, turned_at)
+                  l(k, j + 3) = l(k, j + 3) - a%fc(i, at)
+                  l(k + 3, j + 3) = l(k + 3, j + 3) + a%mc(i, at)
+               end if
+            end associate
          end do
       end do
    end subroutine add_both
-
-   !> Add its transpose
-   pure subroutine add_both_turned(i, a, l)
-      integer, intent(in) :: i
-      type(coefficients_t), intent(in) :: a
-      real(wp), intent(inout) :: l(6, 6)
-
-      integer :: j, k
-
-      do j = 1, 3
-         do k = 1, 3
-            l(k, j) = l(k, j) - a%ff(i, 3*k + j - 3)
-            l(k, j + 3) = l(k, j + 3) + a%fm(i, 3*j + k - 3)
-            l(k + 3, j) = l(k + 3, j) - a%fc(i, 3*k + j - 3)
-            l(k + 3, j + 3) = l(k + 3, j + 3) + (a%mc(i, 3*k + j - 3) - a%tt(i, 3*k + j - 3))
-         end do
-      end do
-   end subroutine add_both_turned
 
    !> Rows of b along held directions become 0
    pure subroutine hold(p, b)

@@ -10,7 +10,7 @@ module kj_consistent_compliant_rows
    implicit none
    private
 
-   public :: bound_stiffness, weigh_rows, extrapolate, residual, correct, velocity_side, &
+   public :: bound_stiffness, weigh_rows, extrapolate, residual, find_change, velocity_side, &
       velocity_force, coefficients
 
 contains
@@ -19,7 +19,7 @@ contains
    !> row alone. Rigid rows have all of it.
    pure subroutine bound_stiffness(n, h, gap, rigid, s, rows)
       integer, intent(in) :: n
-      real(wp), intent(in) :: h, gap
+      real(wp), intent(in) :: h, gap             !! longest step of late
       logical, intent(in) :: rigid
       real(wp), intent(in) :: s(BLOCK, 21)       !! lower triangles by rows
       type(compliant_block_t), intent(inout) :: rows
@@ -29,14 +29,16 @@ contains
 
       do k = 1, NDOF
          do i = 1, n
-            rows%most(i, k) = rows%k(i, k)
-            if (.not. rows%k(i, k) > 0.0_wp) cycle
+            if (.not. rows%k(i, k) > 0.0_wp) then
+               rows%most(i, k) = 0.0_wp
+               cycle
+            end if
             associate (own => s(i, k*(k + 1)/2))
-               most = huge(1.0_wp)
+               most = merge(0.0_wp, huge(most), rigid)
                if (own > 0.0_wp) most = 2.0_wp/(gap*h**2*own)
-               if (rigid) rows%most(i, k) = merge(most, 0.0_wp, own > 0.0_wp)
-               rows%most(i, k) = min(rows%most(i, k), most)
             end associate
+            if (.not. rigid) most = min(most, rows%k(i, k))
+            rows%most(i, k) = most
          end do
       end do
    end subroutine bound_stiffness
@@ -108,8 +110,9 @@ contains
       end do
    end subroutine residual
 
-   !> f := f + r - weight B y; the largest change and the largest force, translations and rotations
-   pure subroutine correct(n, rate, rows, change, force)
+   !> r := r - weight B y, a change of f; the largest change and the largest force after it,
+   !> translations and rotations
+   pure subroutine find_change(n, rate, rows, change, force)
       integer, intent(in) :: n
       real(wp), intent(in) :: rate(BLOCK, 6)     !! B y
       type(compliant_block_t), intent(inout) :: rows
@@ -125,14 +128,14 @@ contains
          !$omp simd private(d) reduction(max: largest, size)
          do i = 1, n
             d = rows%r(i, k) - rows%weight(i, k)*rate(i, k)
-            rows%f(i, k) = rows%f(i, k) + d
+            rows%r(i, k) = d
             largest = max(largest, abs(d))
-            size = max(size, abs(rows%f(i, k)))
+            size = max(size, abs(rows%f(i, k) + d))
          end do
          change(part) = largest
          force(part) = size
       end do
-   end subroutine correct
+   end subroutine find_change
 
    !> Right-hand side of the velocity stage times the weights:
    !> 2/h (B u + k/(h k + c) (kappa f + phi q(n)))
@@ -175,15 +178,17 @@ contains
       end do
    end subroutine velocity_force
 
-   !> What the joints add to the matrix of the bodies
-   pure subroutine coefficients(n, weight, b, a)
+   !> What the joints add to the matrix of the bodies, rows weighted with weight + damp
+   pure subroutine coefficients(n, turned, weight, damp, b, a)
       integer, intent(in) :: n
-      real(wp), intent(in) :: weight(BLOCK, 6)
+      logical, intent(in) :: turned              !! some rows are rotations
+      real(wp), intent(in) :: weight(BLOCK, 6), damp(BLOCK, 6)
       type(matrix_t), intent(in) :: b
-      type(coefficients_t), intent(out) :: a
+      !> of symmetric blocks the lower triangles alone, tt only where rows are rotations
+      type(coefficients_t), intent(inout) :: a
 
       real(wp), dimension(BLOCK, 9) :: m, wf, wc, wm, wt
-      integer :: i, j, k, at
+      integer :: i, j, k
 
       do k = 1, 7, 3
          !$omp simd
@@ -198,33 +203,42 @@ contains
          do j = k, k + 2
             !$omp simd
             do i = 1, n
-               wf(i, j) = weight(i, (k + 2)/3)*b%force(i, j)
-               wc(i, j) = weight(i, (k + 2)/3)*b%couple(i, j)
-               wm(i, j) = weight(i, (k + 2)/3)*m(i, j)
-               wt(i, j) = weight(i, (k + 2)/3 + 3)*b%turn(i, j)
+               wf(i, j) = (weight(i, (k + 2)/3) + damp(i, (k + 2)/3))*b%force(i, j)
+               wc(i, j) = (weight(i, (k + 2)/3) + damp(i, (k + 2)/3))*b%couple(i, j)
+               wm(i, j) = (weight(i, (k + 2)/3) + damp(i, (k + 2)/3))*m(i, j)
+               if (turned) wt(i, j) = (weight(i, (k + 2)/3 + 3) + damp(i, (k + 2)/3 + 3))* &
+                  b%turn(i, j)
             end do
          end do
       end do
       do j = 1, 3
          do k = 1, 3
-            at = 3*(j - 1) + k
-            !$omp simd
-            do i = 1, n
-               a%ff(i, at) = wf(i, k)*b%force(i, j) + wf(i, k + 3)*b%force(i, j + 3) + &
-                  wf(i, k + 6)*b%force(i, j + 6)
-               a%fc(i, at) = wf(i, k)*b%couple(i, j) + wf(i, k + 3)*b%couple(i, j + 3) + &
-                  wf(i, k + 6)*b%couple(i, j + 6)
-               a%cc(i, at) = wc(i, k)*b%couple(i, j) + wc(i, k + 3)*b%couple(i, j + 3) + &
-                  wc(i, k + 6)*b%couple(i, j + 6)
-               a%fm(i, at) = wf(i, k)*m(i, j) + wf(i, k + 3)*m(i, j + 3) + wf(i, k + 6)*m(i, j + 6)
-               a%mm(i, at) = wm(i, k)*m(i, j) + wm(i, k + 3)*m(i, j + 3) + wm(i, k + 6)*m(i, j + 6)
-               a%mc(i, at) = wm(i, k)*b%couple(i, j) + wm(i, k + 3)*b%couple(i, j + 3) + &
-                  wm(i, k + 6)*b%couple(i, j + 6)
-               a%tt(i, at) = wt(i, k)*b%turn(i, j) + wt(i, k + 3)*b%turn(i, j + 3) + &
-                  wt(i, k + 6)*b%turn(i, j + 6)
-            end do
+            call products(wf, b%couple, a%fc)
+            call products(wf, m, a%fm)
+            call products(wm, b%couple, a%mc)
+            if (k < j) cycle
+            call products(wf, b%force, a%ff)
+            call products(wc, b%couple, a%cc)
+            call products(wm, m, a%mm)
+            if (turned) call products(wt, b%turn, a%tt)
          end do
       end do
+
+   contains
+
+      !> Element (k, j) of u^T v
+      pure subroutine products(u, v, uv)
+         real(wp), intent(in) :: u(BLOCK, 9), v(BLOCK, 9)
+         real(wp), intent(inout) :: uv(BLOCK, 9)
+
+         integer :: i
+
+         !$omp simd
+         do i = 1, n
+            uv(i, 3*j + k - 3) = u(i, k)*v(i, j) + u(i, k + 3)*v(i, j + 3) + &
+               u(i, k + 6)*v(i, j + 6)
+         end do
+      end subroutine products
    end subroutine coefficients
 
 end module kj_consistent_compliant_rows

@@ -6,6 +6,7 @@
 module kj_consistent_compliant_step
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
+   use kj_joint_types, only: NDOF
    use kj_consistent_matrix, only: rates
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -16,7 +17,7 @@ module kj_consistent_compliant_step
    use kj_consistent_step, only: place_nodes, reach_motions
    use kj_consistent_compliant_types, only: compliant_t
    use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate, residual, &
-      correct, velocity_side, velocity_force
+      find_change, velocity_side, velocity_force
    use kj_consistent_compliant_matrix, only: assemble, solve_rows
    use kj_consistent_compliant_forces, only: see_joints, spring_forces, damper_rows, add_rests, &
       put_forces, close_rows, renew_locks, ALL_DOFS
@@ -28,6 +29,8 @@ module kj_consistent_compliant_step
 
    integer, parameter :: MOST_PASSES = 8
    integer, parameter :: RENEW = 8               !! steps between two looks at the stiffness bound
+   real(wp), parameter :: UNLIKE = 1.6_wp        !! ratio of steps that is a jump to the joints
+   real(wp), parameter :: FORGET = 0.5_wp        !! of a step, by which a longer one is forgotten
    real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step, and of the forces
    real(wp), parameter :: LAST_BITS = 16.0_wp*epsilon(1.0_wp)   !! of coordinates: noise of forces
    real(wp), parameter :: ROUNDING = 1.0e-12_wp  !! of the size of the scene, of a turn
@@ -42,23 +45,22 @@ contains
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
-      real(wp) :: mean(size(model%motion)), final(size(model%motion))
-      logical :: active(size(model%motion)), changed
+      logical :: changed
 
       call keep_rest(model, state)
       state%h = h
+      associate (self => state%compliant)
+         if (max(h, self%h_last) > UNLIKE*min(h, self%h_last)) self%jump = 0
+      end associate
       call renew_locks(model, state, state%compliant, changed)
       if (changed) call put_locks(state%compliant)
-      call motion_targets(model, state, h, mean, final, active)
-      state%mean = mean
-      state%final = final
-      state%active = active
-      call position_stage(model, h, active, state, good)
+      call motion_targets(model, state, h, state%mean, state%final, state%active)
+      call position_stage(model, h, state, good)
       if (.not. good) then
          call restore_leads(state)
          return
       end if
-      call reach_motions(model, h, mean, final, active, state)
+      call reach_motions(model, h, state%mean, state%final, state%active, state)
       state%cycle = state%cycle + 1
       state%time = state%time + h
       state%poses%time = state%time
@@ -73,10 +75,11 @@ contains
       call count_gravity(model, h, state)
       call add_loads(model, state)
       call add_host_loads(h, state)
-      call velocity_stage(model, h, active, state, good)
+      call velocity_stage(model, h, state, good)
       associate (self => state%compliant)
          call close_rows(model, h, state, self)
          self%h_last = h
+         self%h_stiff = longest_step(self%h_stiff, h)
          self%known = -1
          self%jump = self%jump + 1
          self%renewed = self%renewed + 1
@@ -95,21 +98,20 @@ contains
 
    !> Multipliers f that bring the leads to poses with q = phi q(n) + kappa f, and these poses; what
    !> is known before stands in state%compliant%start
-   subroutine position_stage(model, h, active, state, good)
+   subroutine position_stage(model, h, state, good)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
-      logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
       real(wp) :: way, turn, last, change(2), force(2), scale
-      logical :: settled
+      logical :: settled, close_by
       integer :: pass
 
       call keep_leads(state)
       state%poses%h = h
       associate (self => state%compliant)
-         call prepare(model, h, active, state, self, good)
+         call prepare(model, h, state%active, state, self, good)
          if (.not. good) return
          settled = self%known == state%cycle .and. abs(h - self%h_known) <= 0.0_wp
          last = huge(last)
@@ -124,14 +126,18 @@ contains
                turn <= CLOSE*self%e_turn + ROUNDING
             self%passes = pass
             if (good .and. settled) return
+            close_by = good
             good = .false.
             if (pass == MOST_PASSES .or. .not. max(way/scale, turn) <= 10.0_wp*last) exit
             last = max(way/scale, turn)
             call solve_rows(model, state, .false., self)
-            call correct_all(model, state, self, change, force)
+            call find_changes(model, state, self, change, force)
             force(1) = max(force(1), force(2)/scale)
             settled = change(1) <= CLOSE*force(1) + LAST_BITS*scale*self%stiffest(1) .and. &
                change(2) <= scale*CLOSE*force(1) + LAST_BITS*self%stiffest(2)
+            good = close_by .and. settled        ! what would change is too little for a new pose
+            if (good) return
+            call correct_all(model, self)
          end do
          call find_worst(model, self)
       end associate
@@ -173,7 +179,7 @@ contains
                      end associate
                   end do
                   call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
-                  call bound_stiffness(n, h, self%gap, self%rigid, s, rows)
+                  call bound_stiffness(n, longest_step(self%h_stiff, h), self%gap, self%rigid, s, rows)
                   call weigh_rows(n, h, self%rigid, rows)
                   self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
                   self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
@@ -191,6 +197,13 @@ contains
       self%factored = good
       self%h_factor = h
    end subroutine prepare
+
+   !> The longest step of late when h follows
+   pure real(wp) function longest_step(longest, h)
+      real(wp), intent(in) :: longest, h
+
+      longest_step = max(h, longest - FORGET*h)
+   end function longest_step
 
    subroutine find_residual(model, state, self, way, turn)
       type(consistent_model_t), intent(in) :: model
@@ -211,7 +224,9 @@ contains
       end do
    end subroutine find_residual
 
-   subroutine correct_all(model, state, self, change, force)
+   !> rows%r := the change of f that a solution asks for; the largest change and the largest force,
+   !> translations and rotations
+   subroutine find_changes(model, state, self, change, force)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       type(compliant_t), intent(inout) :: self
@@ -229,7 +244,30 @@ contains
             n = min(BLOCK, model%batch(b)%n - from + 1)
             call rates(model%batch(b), ALL_DOFS, self%y, self%turn, from, n, &
                state%joint(b)%block(at)%b, rate)
-            call correct(n, rate, self%joint(b)%block(at), change, force)
+            call find_change(n, rate, self%joint(b)%block(at), change, force)
+         end do
+      end do
+   end subroutine find_changes
+
+   !> f := f + r
+   pure subroutine correct_all(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(inout) :: self
+
+      integer :: b, at, n, i, k
+
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            associate (rows => self%joint(b)%block(at))
+               do k = 1, NDOF
+                  !$omp simd
+                  do i = 1, n
+                     rows%f(i, k) = rows%f(i, k) + rows%r(i, k)
+                  end do
+               end do
+            end associate
          end do
       end do
    end subroutine correct_all
@@ -262,10 +300,9 @@ contains
    !> Multipliers g with which the velocities after the second half kick keep to the rows, that
    !> kick, and the estimate of the error of the step. state%f and state%t are those of explicit
    !> forces, and are so again afterwards.
-   subroutine velocity_stage(model, h, active, state, good)
+   subroutine velocity_stage(model, h, state, good)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
-      logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
@@ -285,7 +322,7 @@ contains
             end if
          end if
          call velocity_sides(model, h, state, self, .false.)
-         call assemble(model, state, active, .true., self, good)
+         call assemble(model, state, state%active, .true., self, good)
          self%factored = .not. self%any_damper
          call solve_rows(model, state, .true., self)
          call velocity_forces(model, self)
@@ -384,15 +421,11 @@ contains
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: mean(size(model%motion)), final(size(model%motion))
-      logical :: active(size(model%motion)), good
+      logical :: good
 
       if (state%compliant%known == state%cycle) return
-      call motion_targets(model, state, h, mean, final, active)
-      state%mean = mean
-      state%final = final
-      state%active = active
-      call position_stage(model, h, active, state, good)
+      call motion_targets(model, state, h, state%mean, state%final, state%active)
+      call position_stage(model, h, state, good)
       call restore_leads(state)
       if (.not. good) then
          call forget_guess(model, state%compliant)

@@ -87,7 +87,7 @@ module kj_consistent_compliant_types
    !> What else a step changes, as it was at its start. Coordinates and B follow from the poses.
    type :: then_t
       integer :: cycle = 0, jump = 0
-      real(wp) :: time = 0.0_wp, work = 0.0_wp, h_last = 0.0_wp
+      real(wp) :: time = 0.0_wp, work = 0.0_wp, h_last = 0.0_wp, h_stiff = 0.0_wp
       !> (n_element, 21) and (n_element, 6, 3) of the joints
       real(wp), allocatable :: joint(:, :), rows(:, :, :)
       type(limits_then_t), allocatable :: limit(:)    !! (batches)
@@ -109,6 +109,7 @@ module kj_consistent_compliant_types
       real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities
       real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element) of constraints
       logical, allocatable :: rowed(:)           !! (batches) some rows are implicit or have dampers
+      logical, allocatable :: turned(:)          !! (batches) some of these are rotations
       logical, allocatable :: sprung(:)          !! (batches) some rows are explicit and have forces
       logical, allocatable :: explicit(:, :)     !! (6, batches) rows that are not implicit
       logical, allocatable :: damped(:)          !! (batches) some explicit row has a damper
@@ -121,6 +122,7 @@ module kj_consistent_compliant_types
       logical :: any_damper = .false.            !! rows of dampers: the stages differ
       real(wp) :: h_factor = 0.0_wp              !! step of it
       real(wp) :: h_last = 0.0_wp                !! last step, 0 = none
+      real(wp) :: h_stiff = 0.0_wp               !! longest step of late, for the stiffness bound
       integer :: known = -1                      !! cycle whose f is converged already
       real(wp) :: h_known = 0.0_wp               !! for this step
       integer :: renewed = 0                     !! steps since stiffness was bounded

@@ -65,6 +65,7 @@ contains
          then%work = state%work
          then%jump = self%jump
          then%h_last = self%h_last
+         then%h_stiff = self%h_stiff
          do b = 1, size(model%batch)
             call keep_joints(model%batch(b)%first, model%batch(b)%n, state%joint(b), &
                self%joint(b), then%joint, then%rows)
@@ -100,6 +101,7 @@ contains
          state%work = then%work
          self%jump = then%jump
          self%h_last = then%h_last
+         self%h_stiff = then%h_stiff
          do b = 1, size(model%batch)
             call restore_joints(model%batch(b)%first, model%batch(b)%n, then%joint, then%rows, &
                state%joint(b), self%joint(b))

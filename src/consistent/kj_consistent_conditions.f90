@@ -359,11 +359,10 @@ contains
       logical, intent(in) :: active(:)               !! (n_motion)
       real(wp), intent(out) :: p(3, 3, 2)
 
-      real(wp) :: b(3, 3), u(3), none(size(active)), a(3)
+      real(wp) :: b(3, 3), u(3), a(3)
       logical :: drives(3)
       integer :: part, k, n
 
-      none = 0.0_wp
       do part = 1, 2
          p(:, :, part) = IDENTITY
          if (part == 1 .and. .not. model%inverse_mass(lead) > 0.0_wp) p(:, :, part) = 0.0_wp
@@ -371,9 +370,10 @@ contains
             p(:, :, part) = 0.0_wp
          if (model%hold_of(lead) == 0) cycle
          associate (hold => model%hold(model%hold_of(lead)))
-            if (part == 1) call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, none, &
+            if (part == 1) call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, state%mean, &
                active)
-            if (part == 2) call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n, none, active)
+            if (part == 2) call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n, state%mean, &
+               active)
          end associate
          do k = 1, n
             a = matmul(p(:, :, part), b(k, :))
