@@ -43,7 +43,7 @@ contains
          self%rigid = rigid
          allocate (self%joint(size(model%batch)), self%rowed(size(model%batch)), &
             self%sprung(size(model%batch)), self%damped(size(model%batch)), &
-            self%turned(size(model%batch)), &
+            self%last(size(model%batch)), &
             self%explicit(NDOF, size(model%batch)))
          ends = 0
          do b = 1, size(model%batch)
@@ -62,15 +62,12 @@ contains
          allocate (self%y(n, 3), self%turn(n, 3), self%wrench(9, model%n_element), &
             self%free(3, 3, 2, merge(n, 0, any(self%partly))), source=0.0_wp)
          call new_leads(model, state, self%start)
-         allocate (self%then%joint(model%n_element, 21), self%then%rows(model%n_element, 6, 3), &
-            self%f(n, 3), self%t(n, 3), source=0.0_wp)
+         allocate (self%then%joint(BLOCK, 27, sum((model%batch%n + BLOCK - 1)/BLOCK)), self%f(n, 3), self%t(n, 3), source=0.0_wp)
          allocate (self%then%limit(size(model%batch)))
          do b = 1, size(model%batch)
             if (model%batch(b)%limited) self%then%limit(b)%block = state%joint(b)%limit
          end do
          self%then%turn = state%turn
-         self%then%node = state%node
-         self%then%skew = state%skew
          self%then%motion_at = state%motion_at
          self%then%load_force = state%load_force
          self%then%load_place = state%load_place
@@ -95,7 +92,7 @@ contains
          self%sprung(b) = batch%limited .or. any(self%explicit(:, b) .and. &
             iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE + LAW_HARDENED) /= 0)
          self%rowed(b) = self%damped(b) .or. any(.not. self%explicit(:, b))
-         self%turned(b) = self%damped(b) .or. any(.not. self%explicit(4:6, b))
+         self%last(b) = merge(6, 3, self%damped(b) .or. any(.not. self%explicit(4:6, b)))
          do at = 1, size(self%joint(b)%block)
             do i = 1, min(BLOCK, batch%n - BLOCK*(at - 1))
                j = BLOCK*(at - 1) + i

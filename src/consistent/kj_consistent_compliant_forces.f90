@@ -204,7 +204,7 @@ contains
          if (.not. self%damped(b)) cycle
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
-            call wrench_of_rows(min(BLOCK, model%batch(b)%n - from + 1), &
+            call wrench_of_rows(min(BLOCK, model%batch(b)%n - from + 1), NDOF, &
                self%joint(b)%block(at)%rest, self%joint(b)%block(at)%b, &
                state%wrench(:, model%batch(b)%first + from:))
          end do
@@ -231,13 +231,13 @@ contains
             associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at), &
                wrench => self%wrench(:, model%batch(b)%first + from:))
                if (first) then
-                  do k = 1, NDOF
+                  do k = 1, self%last(b)
                      f(:n, k) = rows%f(:n, k)
                      if (self%explicit(k, b)) f(:n, k) = f(:n, k) + lanes%fd(:n, k)
                   end do
-                  call wrench_of_rows(n, f, lanes%b, wrench)
+                  call wrench_of_rows(n, self%last(b), f, lanes%b, wrench)
                else
-                  call wrench_of_rows(n, rows%g, rows%b, wrench)
+                  call wrench_of_rows(n, self%last(b), rows%g, rows%b, wrench)
                end if
             end associate
          end do
@@ -264,7 +264,8 @@ contains
             n = min(BLOCK, model%team%joint(3, piece) - from + 1)
             at = (from - 1)/BLOCK + 1
             associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
-               if (self%rowed(b)) call count_work(n, lanes%q, rows, lanes%elastic, lanes%dissipated)
+               if (self%rowed(b)) call count_work(n, self%last(b), lanes%q, &
+                  rows, lanes%elastic, lanes%dissipated)
                if (self%damped(b)) then
                   call rates(model%batch(b), ALL_DOFS, self%start%v_half, state%poses%w_left, &
                      from, n, lanes%b, rate)
@@ -277,8 +278,11 @@ contains
                      n, rows%b, rate)
                   call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
                end if
-               rows%f_before(:n, :) = rows%f_last(:n, :)
-               rows%f_last(:n, :) = rows%f(:n, :)
+               do k = 1, self%last(b)
+                  rows%f_third(:n, k) = rows%f_before(:n, k)
+                  rows%f_before(:n, k) = rows%f_last(:n, k)
+                  rows%f_last(:n, k) = rows%f(:n, k)
+               end do
             end associate
          end do
       end do
@@ -326,8 +330,8 @@ contains
 
    !> Work of a step on implicit rows: 1/2 (f + g) (q - q(n)); elastic energy 1/2 k q^2 with the q
    !> that f stands for; the rest is lost
-   pure subroutine count_work(n, before, rows, elastic, dissipated)
-      integer, intent(in) :: n
+   pure subroutine count_work(n, last, before, rows, elastic, dissipated)
+      integer, intent(in) :: n, last
       real(wp), intent(in) :: before(BLOCK, 6)
       type(compliant_block_t), intent(inout) :: rows
       real(wp), intent(inout) :: elastic(BLOCK), dissipated(BLOCK)
@@ -337,7 +341,7 @@ contains
 
       work(:n) = 0.0_wp
       stored(:n) = 0.0_wp
-      do k = 1, NDOF
+      do k = 1, last
          !$omp simd private(strain)
          do i = 1, n
             strain = rows%kappa(i, k)*rows%f(i, k) + rows%phi(i, k)*(before(i, k) - rows%q0(i, k))
@@ -398,6 +402,7 @@ contains
                      rows%f(i, k) = 0.0_wp
                      rows%f_last(i, k) = 0.0_wp
                      rows%f_before(i, k) = 0.0_wp
+                     rows%f_third(i, k) = 0.0_wp
                      rows%g(i, k) = 0.0_wp
                      rows%k(i, k) = 0.0_wp
                      rows%c(i, k) = 0.0_wp

@@ -41,16 +41,16 @@ contains
             n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
             associate (rows => self%joint(b)%block(at))
                if (tried) then
-                  call coefficients(n, self%turned(b), rows%weight, rows%damp, rows%b, a)
+                  call coefficients(n, self%last(b) > 3, rows%weight, rows%damp, rows%b, a)
                else
-                  call coefficients(n, self%turned(b), rows%weight, NONE, &
+                  call coefficients(n, self%last(b) > 3, rows%weight, NONE, &
                      state%joint(b)%block(at)%b, a)
                end if
             end associate
             associate (from => BLOCK*(at - 1), lead => model%batch(b)%lead)
                do i = 1, n
                   call scatter(lead(from + i, 1), lead(from + i, 2), &
-                     self%pattern%place(model%batch(b)%first + from + i), i, self%turned(b), a, self)
+                     self%pattern%place(model%batch(b)%first + from + i), i, self%last(b) > 3, a, self)
                end do
             end associate
          end do
@@ -99,14 +99,27 @@ contains
                end if
             end do
          end if
-         associate (d => self%factor%diagonal(:, :, i))
-            d = 0.0_wp
-            d(1:3, 1:3) = m
-            d(4:6, 4:6) = j
-         end associate
+         call put_mass(m, j, self%factor%diagonal(1, 1, i))
       end do
 
    contains
+
+      pure subroutine put_mass(m, j, d)
+         real(wp), intent(in) :: m(3, 3), j(3, 3)
+         real(wp), intent(inout) :: d(6, 6)
+
+         integer :: k
+
+         d = 0.0_wp
+         do k = 1, 3
+            d(1, k) = m(1, k)
+            d(2, k) = m(2, k)
+            d(3, k) = m(3, k)
+            d(4, k + 3) = j(1, k)
+            d(5, k + 3) = j(2, k)
+            d(6, k + 3) = j(3, k)
+         end do
+      end subroutine put_mass
 
       !> a + s (1 - p)
       pure subroutine fill(size, p, a)
@@ -135,9 +148,9 @@ contains
             call scatter_held([lead1, lead2], [c1, c2], place, i, turned, a, self)
             return
          end if
-         call add_end(i, turned, a%ff, a%fc, 1.0_wp, a%cc, a%tt, f%diagonal(:, :, c1))
-         call add_end(i, turned, a%ff, a%fm, -1.0_wp, a%mm, a%tt, f%diagonal(:, :, c2))
-         call add_both(i, turned, c2 < c1, a, f%below(:, :, place))
+         call add_end(i, turned, a%ff, a%fc, 1.0_wp, a%cc, a%tt, f%diagonal(1, 1, c1))
+         call add_end(i, turned, a%ff, a%fm, -1.0_wp, a%mm, a%tt, f%diagonal(1, 1, c2))
+         call add_both(i, turned, c2 < c1, a, f%below(1, 1, place))
       end associate
    end subroutine scatter
 
@@ -257,10 +270,10 @@ contains
             n = min(BLOCK, model%batch(b)%n - from)
             associate (rows => self%joint(b)%block(at))
                if (tried) then
-                  call wrench_of_rows(n, rows%r, rows%b, self%wrench(:, model%batch(b)%first + &
-                     from + 1:))
+                  call wrench_of_rows(n, self%last(b), rows%r, rows%b, &
+                     self%wrench(:, model%batch(b)%first + from + 1:))
                else
-                  call wrench_of_rows(n, rows%r, state%joint(b)%block(at)%b, &
+                  call wrench_of_rows(n, self%last(b), rows%r, state%joint(b)%block(at)%b, &
                      self%wrench(:, model%batch(b)%first + from + 1:))
                end if
             end associate
@@ -295,9 +308,9 @@ contains
       end do
    end subroutine solve_rows
 
-   !> Wrench of the forces f of all six rows
-   pure subroutine wrench_of_rows(n, f, b, wrench)
-      integer, intent(in) :: n
+   !> Wrench of the forces f of the rows up to `last`, 3 or 6
+   pure subroutine wrench_of_rows(n, last, f, b, wrench)
+      integer, intent(in) :: n, last
       real(wp), intent(in) :: f(BLOCK, 6)
       type(matrix_t), intent(in) :: b
       real(wp), intent(inout) :: wrench(:, :)    !! (9, n and more)
@@ -305,7 +318,7 @@ contains
       real(wp) :: moment(BLOCK, 3)
 
       moment(:n, :) = 0.0_wp
-      call add_moment(n, f(:, 4:6), b%turn, moment)
+      if (last > 3) call add_moment(n, f(:, 4:6), b%turn, moment)
       call put_wrench(n, f(:, 1:3), moment, b, wrench)
    end subroutine wrench_of_rows
 

@@ -66,42 +66,42 @@ contains
       end do
    end subroutine weigh_rows
 
-   !> First guess of the multipliers: linear from those of the last two steps
-   pure subroutine extrapolate(n, ratio, rows)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: ratio              !! 0: as the last
+   !> First guess of the multipliers from those of the last three steps
+   pure subroutine extrapolate(n, last, w, rows)
+      integer, intent(in) :: n, last             !! rows from 1 to this, 3 or 6
+      real(wp), intent(in) :: w(3)               !! their weights, the last first
       type(compliant_block_t), intent(inout) :: rows
 
       integer :: i, k
 
-      do k = 1, NDOF
+      do k = 1, last
          !$omp simd
          do i = 1, n
-            rows%f(i, k) = rows%f_last(i, k) + ratio*(rows%f_last(i, k) - rows%f_before(i, k))
+            rows%f(i, k) = w(1)*rows%f_last(i, k) + w(2)*rows%f_before(i, k) + w(3)*rows%f_third(i, k)
          end do
       end do
    end subroutine extrapolate
 
    !> r = q - phi q(n) - kappa f, the largest of translations and rotations; then r/kappa, the
    !> right-hand side times the weight
-   pure subroutine residual(n, before, rows, way, turn)
-      integer, intent(in) :: n
+   pure subroutine residual(n, last, h, before, rows, way, turn)
+      integer, intent(in) :: n, last
+      real(wp), intent(in) :: h
       real(wp), intent(in) :: before(BLOCK, 6)   !! q at the start of the step
       type(compliant_block_t), intent(inout) :: rows
       real(wp), intent(inout) :: way, turn
 
-      real(wp) :: worst, r, rate
+      real(wp) :: worst, r
       integer :: i, k
 
-      do k = 1, NDOF
+      do k = 1, last
          worst = 0.0_wp
-         !$omp simd private(r, rate) reduction(max: worst)
+         !$omp simd private(r) reduction(max: worst)
          do i = 1, n
             r = (rows%q(i, k) - rows%q0(i, k)) - rows%phi(i, k)*(before(i, k) - rows%q0(i, k)) - &
                rows%kappa(i, k)*rows%f(i, k)
             r = merge(r, 0.0_wp, rows%weight(i, k) > 0.0_wp)
-            rate = 1.0_wp/max(rows%kappa(i, k), tiny(r))
-            rows%r(i, k) = merge(r*rate, 0.0_wp, rows%weight(i, k) > 0.0_wp)
+            rows%r(i, k) = (2.0_wp/h**2*rows%weight(i, k))*r
             ! what is no number is not small
             worst = max(worst, merge(abs(r), huge(r), abs(r) <= huge(r)))
          end do
@@ -112,8 +112,8 @@ contains
 
    !> r := r - weight B y, a change of f; the largest change and the largest force after it,
    !> translations and rotations
-   pure subroutine find_change(n, rate, rows, change, force)
-      integer, intent(in) :: n
+   pure subroutine find_change(n, last, rate, rows, change, force)
+      integer, intent(in) :: n, last
       real(wp), intent(in) :: rate(BLOCK, 6)     !! B y
       type(compliant_block_t), intent(inout) :: rows
       real(wp), intent(inout) :: change(2), force(2)
@@ -121,7 +121,7 @@ contains
       real(wp) :: d, largest, size
       integer :: i, k, part
 
-      do k = 1, NDOF
+      do k = 1, last
          part = merge(1, 2, k <= 3)
          largest = change(part)
          size = force(part)
@@ -139,8 +139,8 @@ contains
 
    !> Right-hand side of the velocity stage times the weights:
    !> 2/h (B u + k/(h k + c) (kappa f + phi q(n)))
-   pure subroutine velocity_side(n, h, at_rest, before, rate, rows)
-      integer, intent(in) :: n
+   pure subroutine velocity_side(n, last, h, at_rest, before, rate, rows)
+      integer, intent(in) :: n, last
       real(wp), intent(in) :: h
       logical, intent(in) :: at_rest             !! without the second part
       real(wp), intent(in) :: before(BLOCK, 6)
@@ -151,7 +151,7 @@ contains
       integer :: i, k
 
       part = merge(0.0_wp, 1.0_wp, at_rest)
-      do k = 1, NDOF
+      do k = 1, last
          !$omp simd
          do i = 1, n
             rows%r(i, k) = (rows%weight(i, k) + rows%damp(i, k))*(2.0_wp/h)*rate(i, k) + &
@@ -162,14 +162,14 @@ contains
    end subroutine velocity_side
 
    !> g = r - weight B y, and the rest of the dampers
-   pure subroutine velocity_force(n, rate, rows)
-      integer, intent(in) :: n
+   pure subroutine velocity_force(n, last, rate, rows)
+      integer, intent(in) :: n, last
       real(wp), intent(in) :: rate(BLOCK, 6)     !! B y
       type(compliant_block_t), intent(inout) :: rows
 
       integer :: i, k
 
-      do k = 1, NDOF
+      do k = 1, last
          !$omp simd
          do i = 1, n
             rows%g(i, k) = rows%r(i, k) - (rows%weight(i, k) + rows%damp(i, k))*rate(i, k) + &

@@ -45,7 +45,7 @@ contains
                         after*rows%f(:n, k)
                   end do
                   rows%force(:n, :) = merge(lanes%fd(:n, :), 0.0_wp, rows%weight(:n, :) > 0.0_wp)
-                  call wrench_of_rows(n, lanes%fd, lanes%b, &
+                  call wrench_of_rows(n, NDOF, lanes%fd, lanes%b, &
                      self%wrench(:, model%batch(b)%first + from:))
                end associate
             end do

@@ -6,7 +6,6 @@
 module kj_consistent_compliant_step
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
-   use kj_joint_types, only: NDOF
    use kj_consistent_matrix, only: rates
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -27,6 +26,10 @@ module kj_consistent_compliant_step
 
    public :: compliant_step, look_ahead, prepare, put_locks, velocity_sides, velocity_forces
 
+   !> rows up to the third, or all
+   logical, parameter :: YES = .true., NO = .false.
+   logical, parameter :: ROWS_IN_USE(6, 2) = reshape([YES, YES, YES, NO, NO, NO, &
+      YES, YES, YES, YES, YES, YES], [6, 2])
    integer, parameter :: MOST_PASSES = 8
    integer, parameter :: RENEW = 8               !! steps between two looks at the stiffness bound
    real(wp), parameter :: UNLIKE = 1.6_wp        !! ratio of steps that is a jump to the joints
@@ -78,6 +81,7 @@ contains
       call velocity_stage(model, h, state, good)
       associate (self => state%compliant)
          call close_rows(model, h, state, self)
+         self%equal = merge(1, self%equal + 1, abs(h - self%h_last) > 0.0_wp)
          self%h_last = h
          self%h_stiff = longest_step(self%h_stiff, h)
          self%known = -1
@@ -121,7 +125,7 @@ contains
             call put_forces(model, .true., self, state)
             call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
             call see_joints(model, state, self)
-            call find_residual(model, state, self, way, turn)
+            call find_residual(model, h, state, self, way, turn)
             good = way <= CLOSE*self%e_way + ROUNDING*scale .and. &
                turn <= CLOSE*self%e_turn + ROUNDING
             self%passes = pass
@@ -152,7 +156,7 @@ contains
       type(compliant_t), intent(inout) :: self
       logical, intent(out) :: good
 
-      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ratio
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), guess(3)
       integer :: b, at, from, n, i
       logical :: anew, look
 
@@ -160,8 +164,10 @@ contains
       anew = look .or. abs(h - self%h_factor) > 0.0_wp
       if (anew) call inverse_inertias(model, state%poses%quat, 1, model%n_lead, state%poses%ij)
       if (anew) self%stiffest = 0.0_wp
-      ratio = 0.0_wp
-      if (self%jump >= 2) ratio = h/self%h_last
+      guess = [1.0_wp, 0.0_wp, 0.0_wp]
+      if (self%jump >= 2) guess(:2) = [1.0_wp + h/self%h_last, -h/self%h_last]
+      if (self%jump >= 3 .and. self%equal >= 3 .and. .not. abs(h - self%h_last) > 0.0_wp) &
+         guess = [3.0_wp, -3.0_wp, 1.0_wp]
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
          do at = 1, size(self%joint(b)%block)
@@ -184,7 +190,7 @@ contains
                   self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
                   self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
                end if
-               if (self%known /= state%cycle) call extrapolate(n, ratio, rows)
+               if (self%known /= state%cycle) call extrapolate(n, self%last(b), guess, rows)
             end associate
          end do
       end do
@@ -205,8 +211,9 @@ contains
       longest_step = max(h, longest - FORGET*h)
    end function longest_step
 
-   subroutine find_residual(model, state, self, way, turn)
+   subroutine find_residual(model, h, state, self, way, turn)
       type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
       type(consistent_state_t), intent(in) :: state
       type(compliant_t), intent(inout) :: self
       real(wp), intent(out) :: way, turn
@@ -218,7 +225,7 @@ contains
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
          do at = 1, size(self%joint(b)%block)
-            call residual(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), &
+            call residual(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), h, &
                state%joint(b)%block(at)%q, self%joint(b)%block(at), way, turn)
          end do
       end do
@@ -242,9 +249,9 @@ contains
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
-            call rates(model%batch(b), ALL_DOFS, self%y, self%turn, from, n, &
+            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), self%y, self%turn, from, n, &
                state%joint(b)%block(at)%b, rate)
-            call find_change(n, rate, self%joint(b)%block(at), change, force)
+            call find_change(n, self%last(b), rate, self%joint(b)%block(at), change, force)
          end do
       end do
    end subroutine find_changes
@@ -261,7 +268,7 @@ contains
          do at = 1, size(self%joint(b)%block)
             n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
             associate (rows => self%joint(b)%block(at))
-               do k = 1, NDOF
+               do k = 1, self%last(b)
                   !$omp simd
                   do i = 1, n
                      rows%f(i, k) = rows%f(i, k) + rows%r(i, k)
@@ -351,9 +358,9 @@ contains
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
-            call rates(model%batch(b), ALL_DOFS, state%poses%v, state%poses%w, from, n, &
+            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), state%poses%v, state%poses%w, from, n, &
                self%joint(b)%block(at)%b, rate)
-            call velocity_side(n, h, at_rest, state%joint(b)%block(at)%q, rate, &
+            call velocity_side(n, self%last(b), h, at_rest, state%joint(b)%block(at)%q, rate, &
                self%joint(b)%block(at))
          end do
       end do
@@ -372,9 +379,9 @@ contains
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
-            call rates(model%batch(b), ALL_DOFS, self%y, self%turn, from, n, &
+            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), self%y, self%turn, from, n, &
                self%joint(b)%block(at)%b, rate)
-            call velocity_force(n, rate, self%joint(b)%block(at))
+            call velocity_force(n, self%last(b), rate, self%joint(b)%block(at))
          end do
       end do
    end subroutine velocity_forces
@@ -444,7 +451,8 @@ contains
 
       do b = 1, size(model%batch)
          do at = 1, size(self%joint(b)%block)
-            call extrapolate(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), 0.0_wp, &
+            call extrapolate(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), &
+               self%last(b), [1.0_wp, 0.0_wp, 0.0_wp], &
                self%joint(b)%block(at))
          end do
       end do

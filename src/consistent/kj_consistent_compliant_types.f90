@@ -25,6 +25,7 @@ module kj_consistent_compliant_types
       real(wp) :: f(BLOCK, 6) = 0.0_wp           !! multipliers of the position stage
       real(wp) :: f_last(BLOCK, 6) = 0.0_wp      !! that of the last step
       real(wp) :: f_before(BLOCK, 6) = 0.0_wp    !! that of the step before
+      real(wp) :: f_third(BLOCK, 6) = 0.0_wp     !! and before that
       real(wp) :: g(BLOCK, 6) = 0.0_wp           !! multipliers of the velocity stage
       real(wp) :: force(BLOCK, 6) = 0.0_wp       !! of implicit rows at the last time shown
       real(wp) :: rest(BLOCK, 6) = 0.0_wp        !! forces of dampers beside their rows
@@ -88,10 +89,9 @@ module kj_consistent_compliant_types
    type :: then_t
       integer :: cycle = 0, jump = 0
       real(wp) :: time = 0.0_wp, work = 0.0_wp, h_last = 0.0_wp, h_stiff = 0.0_wp
-      !> (n_element, 21) and (n_element, 6, 3) of the joints
-      real(wp), allocatable :: joint(:, :), rows(:, :, :)
+      real(wp), allocatable :: joint(:, :, :)         !! (BLOCK, 27, blocks of all batches)
       type(limits_then_t), allocatable :: limit(:)    !! (batches)
-      real(wp), allocatable :: turn(:, :), node(:, :), skew(:, :), motion_at(:)
+      real(wp), allocatable :: turn(:, :), motion_at(:)
       real(wp), allocatable :: load_force(:, :), load_place(:, :)
       type(gravity_t), allocatable :: field(:)
    end type then_t
@@ -109,7 +109,8 @@ module kj_consistent_compliant_types
       real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities
       real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element) of constraints
       logical, allocatable :: rowed(:)           !! (batches) some rows are implicit or have dampers
-      logical, allocatable :: turned(:)          !! (batches) some of these are rotations
+      !> (batches) the last row that is implicit or may have a damper, 3 or 6
+      integer, allocatable :: last(:)
       logical, allocatable :: sprung(:)          !! (batches) some rows are explicit and have forces
       logical, allocatable :: explicit(:, :)     !! (6, batches) rows that are not implicit
       logical, allocatable :: damped(:)          !! (batches) some explicit row has a damper
@@ -127,6 +128,7 @@ module kj_consistent_compliant_types
       real(wp) :: h_known = 0.0_wp               !! for this step
       integer :: renewed = 0                     !! steps since stiffness was bounded
       integer :: jump = 0                        !! steps since a start or jump
+      integer :: equal = 0                       !! equal steps in a row before the next
       real(wp) :: size = 0.0_wp                  !! of the scene
       real(wp) :: stiffest(2) = 0.0_wp           !! largest 1/kappa, translations and rotations
       real(wp) :: e_way = 0.0_wp, e_turn = 0.0_wp   !! estimated error of the last step

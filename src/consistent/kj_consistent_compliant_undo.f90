@@ -5,6 +5,7 @@ module kj_consistent_compliant_undo
    use kj_block, only: BLOCK
    use kj_consistent_batch, only: consistent_joint_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_step, only: place_nodes
    use kj_consistent_compliant_types, only: compliant_joint_t
    use kj_consistent_compliant_forces, only: see_joints, take_coordinates
    implicit none
@@ -57,7 +58,7 @@ contains
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: b, i
+      integer :: b, i, first
 
       associate (then => state%compliant%then, self => state%compliant)
          then%cycle = state%cycle
@@ -66,17 +67,17 @@ contains
          then%jump = self%jump
          then%h_last = self%h_last
          then%h_stiff = self%h_stiff
+         first = 1
          do b = 1, size(model%batch)
-            call keep_joints(model%batch(b)%first, model%batch(b)%n, state%joint(b), &
-               self%joint(b), then%joint, then%rows)
+            call keep_joints(model%batch(b)%n, self%sprung(b) .or. self%damped(b), state%joint(b), &
+               self%joint(b), then%joint(:, :, first:))
+            first = first + size(state%joint(b)%block)
             if (.not. allocated(state%joint(b)%limit)) cycle
             do i = 1, size(state%joint(b)%limit)
                then%limit(b)%block(i) = state%joint(b)%limit(i)
             end do
          end do
          then%turn(:, :) = state%turn
-         then%node(:, :) = state%node
-         then%skew(:, :) = state%skew
          then%motion_at(:) = state%motion_at
          then%load_force(:, :) = state%load_force
          then%load_place(:, :) = state%load_place
@@ -91,7 +92,7 @@ contains
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: b, i
+      integer :: b, i, first
 
       call restore_leads(state)
       associate (then => state%compliant%then, self => state%compliant)
@@ -100,21 +101,23 @@ contains
          state%poses%time = then%time
          state%work = then%work
          self%jump = then%jump
+         self%equal = 0                          ! multipliers of three steps before are gone
          self%h_last = then%h_last
          self%h_stiff = then%h_stiff
+         first = 1
          do b = 1, size(model%batch)
-            call restore_joints(model%batch(b)%first, model%batch(b)%n, then%joint, then%rows, &
-               state%joint(b), self%joint(b))
+            call restore_joints(model%batch(b)%n, self%sprung(b) .or. self%damped(b), &
+               then%joint(:, :, first:), state%joint(b), self%joint(b))
+            first = first + size(state%joint(b)%block)
             if (.not. allocated(state%joint(b)%limit)) cycle
             do i = 1, size(state%joint(b)%limit)
                state%joint(b)%limit(i) = then%limit(b)%block(i)
             end do
          end do
+         call place_nodes(model, state)
          call see_joints(model, state, self)
          call take_coordinates(model, state, self)
          state%turn(:, :) = then%turn
-         state%node(:, :) = then%node
-         state%skew(:, :) = then%skew
          state%motion_at(:) = then%motion_at
          state%load_force(:, :) = then%load_force
          state%load_place(:, :) = then%load_place
@@ -126,51 +129,51 @@ contains
       end associate
    end subroutine undo_step
 
-   subroutine keep_joints(first, n_joint, joint, rows, kept, multipliers)
-      integer, intent(in) :: first, n_joint      !! joints before the batch, in it
+   !> Energies and multipliers g of a batch; of explicit rows (moved) their rates and forces too
+   pure subroutine keep_joints(n_joint, moved, joint, rows, kept)
+      integer, intent(in) :: n_joint
+      logical, intent(in) :: moved
       type(consistent_joint_t), intent(in) :: joint
       type(compliant_joint_t), intent(in) :: rows
-      real(wp), intent(inout) :: kept(:, :), multipliers(:, :, :)
+      real(wp), intent(inout) :: kept(:, :, :)   !! (BLOCK, 27, blocks and more)
 
-      integer :: at, from, to, n
+      integer :: at, n
 
       do at = 1, size(joint%block)
          n = min(BLOCK, n_joint - BLOCK*(at - 1))
-         from = first + BLOCK*(at - 1) + 1
-         to = from + n - 1
-         kept(from:to, 1:6) = joint%block(at)%qd(:n, :)
-         kept(from:to, 7:12) = joint%block(at)%fe(:n, :)
-         kept(from:to, 13:18) = joint%block(at)%fd(:n, :)
-         kept(from:to, 19) = joint%block(at)%elastic(:n)
-         kept(from:to, 20) = joint%block(at)%dissipated(:n)
-         kept(from:to, 21) = rows%block(at)%elastic(:n)
-         multipliers(from:to, :, 1) = rows%block(at)%f_last(:n, :)
-         multipliers(from:to, :, 2) = rows%block(at)%f_before(:n, :)
-         multipliers(from:to, :, 3) = rows%block(at)%g(:n, :)
+         kept(:n, 1, at) = joint%block(at)%elastic(:n)
+         kept(:n, 2, at) = joint%block(at)%dissipated(:n)
+         kept(:n, 3, at) = rows%block(at)%elastic(:n)
+         kept(:n, 4:9, at) = rows%block(at)%g(:n, :)
+         if (.not. moved) cycle
+         kept(:n, 10:15, at) = joint%block(at)%qd(:n, :)
+         kept(:n, 16:21, at) = joint%block(at)%fe(:n, :)
+         kept(:n, 22:27, at) = joint%block(at)%fd(:n, :)
       end do
    end subroutine keep_joints
 
-   subroutine restore_joints(first, n_joint, kept, multipliers, joint, rows)
-      integer, intent(in) :: first, n_joint
-      real(wp), intent(in) :: kept(:, :), multipliers(:, :, :)
+   !> Bring them back, and the multipliers f of the steps before
+   pure subroutine restore_joints(n_joint, moved, kept, joint, rows)
+      integer, intent(in) :: n_joint
+      logical, intent(in) :: moved
+      real(wp), intent(in) :: kept(:, :, :)
       type(consistent_joint_t), intent(inout) :: joint
       type(compliant_joint_t), intent(inout) :: rows
 
-      integer :: at, from, to, n
+      integer :: at, n
 
       do at = 1, size(joint%block)
          n = min(BLOCK, n_joint - BLOCK*(at - 1))
-         from = first + BLOCK*(at - 1) + 1
-         to = from + n - 1
-         joint%block(at)%qd(:n, :) = kept(from:to, 1:6)
-         joint%block(at)%fe(:n, :) = kept(from:to, 7:12)
-         joint%block(at)%fd(:n, :) = kept(from:to, 13:18)
-         joint%block(at)%elastic(:n) = kept(from:to, 19)
-         joint%block(at)%dissipated(:n) = kept(from:to, 20)
-         rows%block(at)%elastic(:n) = kept(from:to, 21)
-         rows%block(at)%f_last(:n, :) = multipliers(from:to, :, 1)
-         rows%block(at)%f_before(:n, :) = multipliers(from:to, :, 2)
-         rows%block(at)%g(:n, :) = multipliers(from:to, :, 3)
+         joint%block(at)%elastic(:n) = kept(:n, 1, at)
+         joint%block(at)%dissipated(:n) = kept(:n, 2, at)
+         rows%block(at)%elastic(:n) = kept(:n, 3, at)
+         rows%block(at)%g(:n, :) = kept(:n, 4:9, at)
+         rows%block(at)%f_last(:n, :) = rows%block(at)%f_before(:n, :)
+         rows%block(at)%f_before(:n, :) = rows%block(at)%f_third(:n, :)
+         if (.not. moved) cycle
+         joint%block(at)%qd(:n, :) = kept(:n, 10:15, at)
+         joint%block(at)%fe(:n, :) = kept(:n, 16:21, at)
+         joint%block(at)%fd(:n, :) = kept(:n, 22:27, at)
       end do
    end subroutine restore_joints
 
