@@ -457,7 +457,8 @@ contains
          else
             call look_inside_consistent(model, self%state, element, frame, inside)
             if (.not. self%nodal) then
-               inside%bound = self%march%bound%limit(model%batch(ref%batch)%first + ref%place)
+               if (allocated(self%march%bound%limit)) inside%bound = &
+                  self%march%bound%limit(model%batch(ref%batch)%first + ref%place)
                return
             end if
             call nodal_stiffness(model, self%state, kn, kr)

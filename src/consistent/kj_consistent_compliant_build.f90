@@ -59,10 +59,11 @@ contains
             model%inverse_inertia(:, 1) > 0.0_wp)
          call new_pattern(ends, moves, self%pattern)
          call new_factor(self%pattern, self%factor)
-         allocate (self%y(n, 3), self%turn(n, 3), self%wrench(9, model%n_element), &
+         allocate (self%y(n, 3), self%turn(n, 3), &
             self%free(3, 3, 2, merge(n, 0, any(self%partly))), source=0.0_wp)
          call new_leads(model, state, self%start)
-         allocate (self%then%joint(BLOCK, 27, sum((model%batch%n + BLOCK - 1)/BLOCK)), self%f(n, 3), self%t(n, 3), source=0.0_wp)
+         allocate (self%then%joint(BLOCK, 27, sum((model%batch%n + BLOCK - 1)/BLOCK)), &
+            self%f(n, 3), self%t(n, 3), source=0.0_wp)
          allocate (self%then%limit(size(model%batch)))
          do b = 1, size(model%batch)
             if (model%batch(b)%limited) self%then%limit(b)%block = state%joint(b)%limit

@@ -7,9 +7,9 @@ module kj_consistent_compliant_forces
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_joint_types, only: joint_types, NDOF, CHART_VECTOR
-   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened
+   use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened, joint_batch_t
    use kj_consistent_batch, only: limit_block_t
-   use kj_consistent_matrix, only: rates, put_wrench, add_moment
+   use kj_consistent_matrix, only: rates, put_wrench, add_moment, N_CONSISTENT_WRENCH
    use kj_consistent_springs, only: coordinates, laws
    use kj_consistent_dampers, only: damper
    use kj_consistent_hardening, only: hardened_damper
@@ -75,9 +75,25 @@ contains
          end do
       end do
       do b = 1, size(model%batch)
-         if (self%sprung(b)) call add_wrenches(model%batch(b), state%wrench, state%f, state%t)
+         if (self%sprung(b)) call add_rows(model%batch(b), state%wrench, state%f, state%t)
       end do
    end subroutine spring_forces
+
+   !> Add wrenches that stand as rows of all joints
+   pure subroutine add_rows(batch, wrench, f, t)
+      type(joint_batch_t), intent(in) :: batch
+      real(wp), contiguous, intent(in) :: wrench(:, :)   !! (N_CONSISTENT_WRENCH, n_element)
+      real(wp), contiguous, intent(inout) :: f(:, :), t(:, :)
+
+      real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
+      integer :: from, n
+
+      do from = 1, batch%n, BLOCK
+         n = min(BLOCK, batch%n - from + 1)
+         w(:n, :) = transpose(wrench(:, batch%first + from:batch%first + from + n - 1))
+         call add_wrenches(batch, from, n, w, f, t)
+      end do
+   end subroutine add_rows
 
    subroutine springs_of_block(model, b, from, n, self, state)
       type(consistent_model_t), intent(in) :: model
@@ -198,17 +214,17 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(in) :: self
 
-      integer :: b, at, from
+      real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
+      integer :: b, at, from, n
 
       do b = 1, size(model%batch)
          if (.not. self%damped(b)) cycle
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
-            call wrench_of_rows(min(BLOCK, model%batch(b)%n - from + 1), NDOF, &
-               self%joint(b)%block(at)%rest, self%joint(b)%block(at)%b, &
-               state%wrench(:, model%batch(b)%first + from:))
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            call wrench_of_rows(n, NDOF, self%joint(b)%block(at)%rest, self%joint(b)%block(at)%b, w)
+            call add_wrenches(model%batch(b), from, n, w, state%f, state%t)
          end do
-         call add_wrenches(model%batch(b), state%wrench, state%f, state%t)
       end do
    end subroutine add_rests
 
@@ -217,10 +233,10 @@ contains
    subroutine put_forces(model, first, self, state)
       type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: first               !! position stage
-      type(compliant_t), intent(inout) :: self
+      type(compliant_t), intent(in) :: self
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: f(BLOCK, 6)
+      real(wp) :: f(BLOCK, 6), w(BLOCK, N_CONSISTENT_WRENCH)
       integer :: b, at, from, n, k
 
       do b = 1, size(model%batch)
@@ -228,20 +244,19 @@ contains
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
-            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at), &
-               wrench => self%wrench(:, model%batch(b)%first + from:))
+            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
                if (first) then
                   do k = 1, self%last(b)
                      f(:n, k) = rows%f(:n, k)
                      if (self%explicit(k, b)) f(:n, k) = f(:n, k) + lanes%fd(:n, k)
                   end do
-                  call wrench_of_rows(n, self%last(b), f, lanes%b, wrench)
+                  call wrench_of_rows(n, self%last(b), f, lanes%b, w)
                else
-                  call wrench_of_rows(n, self%last(b), rows%g, rows%b, wrench)
+                  call wrench_of_rows(n, self%last(b), rows%g, rows%b, w)
                end if
             end associate
+            call add_wrenches(model%batch(b), from, n, w, state%f, state%t)
          end do
-         call add_wrenches(model%batch(b), self%wrench, state%f, state%t)
       end do
    end subroutine put_forces
 

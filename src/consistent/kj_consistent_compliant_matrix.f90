@@ -6,7 +6,7 @@ module kj_consistent_compliant_matrix
    use kj_block, only: BLOCK
    use kj_joint_batch, only: joint_batch_t
    use kj_consistent_batch, only: matrix_t
-   use kj_consistent_matrix, only: put_wrench, add_moment
+   use kj_consistent_matrix, only: find_wrench, add_moment, N_CONSISTENT_WRENCH
    use kj_consistent_body, only: columns
    use kj_consistent_conditions, only: free_directions
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
@@ -50,7 +50,8 @@ contains
             associate (from => BLOCK*(at - 1), lead => model%batch(b)%lead)
                do i = 1, n
                   call scatter(lead(from + i, 1), lead(from + i, 2), &
-                     self%pattern%place(model%batch(b)%first + from + i), i, self%last(b) > 3, a, self)
+                     self%pattern%place(model%batch(b)%first + from + i), i, self%last(b) > 3, a, &
+                     self)
                end do
             end associate
          end do
@@ -259,39 +260,38 @@ contains
       logical, intent(in) :: tried
       type(compliant_t), intent(inout) :: self
 
-      integer :: b, at, n, from, i, j, lead(2)
-      real(wp) :: w(9)
+      real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
+      integer :: b, at, n, from, i, k, c
 
-      self%factor%x = 0.0_wp
+      self%factor%x(:, :) = 0.0_wp
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1)
             n = min(BLOCK, model%batch(b)%n - from)
-            associate (rows => self%joint(b)%block(at))
+            associate (rows => self%joint(b)%block(at), lead => model%batch(b)%lead, &
+               x => self%factor%x, column => self%pattern%column)
                if (tried) then
-                  call wrench_of_rows(n, self%last(b), rows%r, rows%b, &
-                     self%wrench(:, model%batch(b)%first + from + 1:))
+                  call wrench_of_rows(n, self%last(b), rows%r, rows%b, w)
                else
-                  call wrench_of_rows(n, self%last(b), rows%r, state%joint(b)%block(at)%b, &
-                     self%wrench(:, model%batch(b)%first + from + 1:))
+                  call wrench_of_rows(n, self%last(b), rows%r, state%joint(b)%block(at)%b, w)
                end if
+               do i = 1, n
+                  c = column(lead(from + i, 1))
+                  if (c > 0) then
+                     do k = 1, 6
+                        x(k, c) = x(k, c) - w(i, k)
+                     end do
+                  end if
+                  c = column(lead(from + i, 2))
+                  if (c > 0) then
+                     do k = 1, 3
+                        x(k, c) = x(k, c) + w(i, k)
+                        x(k + 3, c) = x(k + 3, c) - w(i, k + 6)
+                     end do
+                  end if
+               end do
             end associate
-            do i = 1, n
-               j = model%batch(b)%first + from + i
-               lead = model%batch(b)%lead(from + i, :)
-               w = self%wrench(:, j)
-               associate (x => self%factor%x, c => self%pattern%column(lead))
-                  if (c(1) > 0) then
-                     x(1:3, c(1)) = x(1:3, c(1)) - w(1:3)
-                     x(4:6, c(1)) = x(4:6, c(1)) - w(4:6)
-                  end if
-                  if (c(2) > 0) then
-                     x(1:3, c(2)) = x(1:3, c(2)) + w(1:3)
-                     x(4:6, c(2)) = x(4:6, c(2)) - w(7:9)
-                  end if
-               end associate
-            end do
          end do
       end do
       do i = 1, self%pattern%n
@@ -313,31 +313,31 @@ contains
       integer, intent(in) :: n, last
       real(wp), intent(in) :: f(BLOCK, 6)
       type(matrix_t), intent(in) :: b
-      real(wp), intent(inout) :: wrench(:, :)    !! (9, n and more)
+      real(wp), intent(out) :: wrench(BLOCK, N_CONSISTENT_WRENCH)
 
       real(wp) :: moment(BLOCK, 3)
 
       moment(:n, :) = 0.0_wp
       if (last > 3) call add_moment(n, f(:, 4:6), b%turn, moment)
-      call put_wrench(n, f(:, 1:3), moment, b, wrench)
+      call find_wrench(n, f(:, 1:3), moment, b, wrench)
    end subroutine wrench_of_rows
 
-   !> Add the wrenches of the joints of a batch to forces and moments of the leads
-   pure subroutine add_wrenches(batch, wrench, f, t)
+   !> Add the wrenches of n joints of a batch from `from` on to forces and moments of the leads
+   pure subroutine add_wrenches(batch, from, n, wrench, f, t)
       type(joint_batch_t), intent(in) :: batch
-      real(wp), contiguous, intent(in) :: wrench(:, :)   !! (9, n_element)
+      integer, intent(in) :: from, n
+      real(wp), intent(in) :: wrench(BLOCK, N_CONSISTENT_WRENCH)
       real(wp), contiguous, intent(inout) :: f(:, :), t(:, :)   !! (n_lead, 3)
 
-      integer :: i, j, k
+      integer :: i, k
 
-      do i = 1, batch%n
-         j = batch%first + i
-         associate (a => batch%lead(i, 1), b => batch%lead(i, 2))
+      do i = 1, n
+         associate (a => batch%lead(from + i - 1, 1), b => batch%lead(from + i - 1, 2))
             do k = 1, 3
-               f(a, k) = f(a, k) + wrench(k, j)
-               t(a, k) = t(a, k) + wrench(k + 3, j)
-               f(b, k) = f(b, k) - wrench(k, j)
-               t(b, k) = t(b, k) + wrench(k + 6, j)
+               f(a, k) = f(a, k) + wrench(i, k)
+               t(a, k) = t(a, k) + wrench(i, k + 3)
+               f(b, k) = f(b, k) - wrench(i, k)
+               t(b, k) = t(b, k) + wrench(i, k + 6)
             end do
          end associate
       end do

@@ -77,7 +77,8 @@ contains
       do k = 1, last
          !$omp simd
          do i = 1, n
-            rows%f(i, k) = w(1)*rows%f_last(i, k) + w(2)*rows%f_before(i, k) + w(3)*rows%f_third(i, k)
+            rows%f(i, k) = w(1)*rows%f_last(i, k) + w(2)*rows%f_before(i, k) + &
+               w(3)*rows%f_third(i, k)
          end do
       end do
    end subroutine extrapolate
@@ -91,20 +92,22 @@ contains
       type(compliant_block_t), intent(inout) :: rows
       real(wp), intent(inout) :: way, turn
 
-      real(wp) :: worst, r
+      real(wp) :: worst, sum, r
       integer :: i, k
 
       do k = 1, last
          worst = 0.0_wp
-         !$omp simd private(r) reduction(max: worst)
+         sum = 0.0_wp
+         !$omp simd private(r) reduction(max: worst) reduction(+: sum)
          do i = 1, n
             r = (rows%q(i, k) - rows%q0(i, k)) - rows%phi(i, k)*(before(i, k) - rows%q0(i, k)) - &
                rows%kappa(i, k)*rows%f(i, k)
             r = merge(r, 0.0_wp, rows%weight(i, k) > 0.0_wp)
             rows%r(i, k) = (2.0_wp/h**2*rows%weight(i, k))*r
-            ! what is no number is not small
-            worst = max(worst, merge(abs(r), huge(r), abs(r) <= huge(r)))
+            worst = max(worst, abs(r))
+            sum = sum + r
          end do
+         if (.not. abs(sum) <= huge(sum)) worst = huge(worst)   ! what is no number is not small
          if (k <= 3) way = max(way, worst)
          if (k > 3) turn = max(turn, worst)
       end do

@@ -5,6 +5,7 @@ module kj_consistent_compliant_show
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_joint_types, only: NDOF
+   use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_compliant_matrix, only: wrench_of_rows, add_wrenches
    use kj_consistent_compliant_step, only: look_ahead
@@ -22,7 +23,7 @@ contains
       real(wp), intent(in) :: h                  !! the next step
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: before, after
+      real(wp) :: before, after, w(BLOCK, N_CONSISTENT_WRENCH)
       integer :: b, at, from, n, k
 
       if (.not. allocated(state%compliant)) return
@@ -45,11 +46,10 @@ contains
                         after*rows%f(:n, k)
                   end do
                   rows%force(:n, :) = merge(lanes%fd(:n, :), 0.0_wp, rows%weight(:n, :) > 0.0_wp)
-                  call wrench_of_rows(n, NDOF, lanes%fd, lanes%b, &
-                     self%wrench(:, model%batch(b)%first + from:))
+                  call wrench_of_rows(n, NDOF, lanes%fd, lanes%b, w)
                end associate
+               call add_wrenches(model%batch(b), from, n, w, state%f, state%t)
             end do
-            call add_wrenches(model%batch(b), self%wrench, state%f, state%t)
          end do
       end associate
    end subroutine begin_show

@@ -9,9 +9,10 @@ module kj_consistent_compliant_step
    use kj_consistent_matrix, only: rates
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_body, only: inverse_inertias, spin_velocity
-   use kj_consistent_leads, only: move_leads, look_leads, kick_leads
-   use kj_consistent_conditions, only: motion_targets, count_work, FIRST_HALF, SECOND_HALF
+   use kj_consistent_body, only: inverse_inertias, predict, spin_velocity
+   use kj_consistent_leads, only: move_leads, kick_leads
+   use kj_consistent_conditions, only: motion_targets, project_rates, count_work, FIRST_HALF, &
+      SECOND_HALF
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes, reach_motions
    use kj_consistent_compliant_types, only: compliant_t
@@ -156,7 +157,7 @@ contains
       type(compliant_t), intent(inout) :: self
       logical, intent(out) :: good
 
-      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), guess(3)
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), guess(3), ends
       integer :: b, at, from, n, i
       logical :: anew, look
 
@@ -177,15 +178,16 @@ contains
                if (anew) then
                   call end_inertias(model%batch(b), state%poses, from, n, im, ij1, ij2)
                   do i = 1, n
-                     associate (ends => real(max(1, model%n_end(model%batch(b)%lead(from + i - 1, &
-                        :))), wp))
-                        im(i, :) = im(i, :)/ends
-                        ij1(i, :) = ij1(i, :)/ends(1)
-                        ij2(i, :) = ij2(i, :)/ends(2)
-                     end associate
+                     ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 1)))
+                     im(i, 1) = im(i, 1)*ends
+                     ij1(i, :) = ij1(i, :)*ends
+                     ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 2)))
+                     im(i, 2) = im(i, 2)*ends
+                     ij2(i, :) = ij2(i, :)*ends
                   end do
                   call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
-                  call bound_stiffness(n, longest_step(self%h_stiff, h), self%gap, self%rigid, s, rows)
+                  call bound_stiffness(n, longest_step(self%h_stiff, h), self%gap, self%rigid, &
+                     s, rows)
                   call weigh_rows(n, h, self%rigid, rows)
                   self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
                   self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
@@ -317,13 +319,13 @@ contains
 
       state%compliant%f(:, :) = state%f
       state%compliant%t(:, :) = state%t
-      call look_leads(model, state%poses%h, 1, model%n_lead, state)
+      call look(model, state)
       associate (self => state%compliant)
          if (self%any_damper) then
             call damper_rows(model, h, state, self, any_rest)
             if (any_rest) then
                call add_rests(model, state, self)
-               call look_leads(model, state%poses%h, 1, model%n_lead, state)
+               call look(model, state)
                state%f(:, :) = self%f
                state%t(:, :) = self%t
             end if
@@ -342,6 +344,15 @@ contains
       end associate
    end subroutine velocity_stage
 
+   !> Velocities of the poses after a second half kick by the forces of the leads
+   subroutine look(model, state)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+
+      call predict(model, state%poses%h, 1, model%n_lead, state)
+      call project_rates(model, state%final, state%active, 1, size(model%hold), state)
+   end subroutine look
+
    !> Right-hand sides of the velocity stage, for the velocities of the poses
    subroutine velocity_sides(model, h, state, self, at_rest)
       type(consistent_model_t), intent(in) :: model
@@ -358,8 +369,8 @@ contains
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
-            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), state%poses%v, state%poses%w, from, n, &
-               self%joint(b)%block(at)%b, rate)
+            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), state%poses%v, &
+               state%poses%w, from, n, self%joint(b)%block(at)%b, rate)
             call velocity_side(n, self%last(b), h, at_rest, state%joint(b)%block(at)%q, rate, &
                self%joint(b)%block(at))
          end do

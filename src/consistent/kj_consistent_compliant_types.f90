@@ -107,7 +107,6 @@ module kj_consistent_compliant_types
       type(leads_then_t) :: start
       type(then_t) :: then
       real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities
-      real(wp), allocatable :: wrench(:, :)      !! (N_CONSISTENT_WRENCH, n_element) of constraints
       logical, allocatable :: rowed(:)           !! (batches) some rows are implicit or have dampers
       !> (batches) the last row that is implicit or may have a damper, 3 or 6
       integer, allocatable :: last(:)

@@ -370,8 +370,8 @@ contains
             p(:, :, part) = 0.0_wp
          if (model%hold_of(lead) == 0) cycle
          associate (hold => model%hold(model%hold_of(lead)))
-            if (part == 1) call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, state%mean, &
-               active)
+            if (part == 1) call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, &
+               state%mean, active)
             if (part == 2) call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n, state%mean, &
                active)
          end associate

@@ -10,7 +10,7 @@ module kj_consistent_matrix
    implicit none
    private
 
-   public :: poses_t, rates, joint_rates, add_moment, put_wrench
+   public :: poses_t, rates, joint_rates, add_moment, find_wrench, put_wrench
 
    logical, parameter :: ALL_DOFS(NDOF) = .true.
 
@@ -55,15 +55,32 @@ contains
       end do
    end subroutine add_moment
 
-   !> Force on end 1 and moments about the leads of both ends
+   !> Force on end 1 and moments about the leads of both ends, as rows of all joints
    pure subroutine put_wrench(n, f, moment, b, wrench)
       integer, value :: n
-      real(wp), intent(in) :: f(BLOCK, 3)         !! forces of the translations
-      real(wp), intent(in) :: moment(BLOCK, 3)    !! of the rotations, on body 1, W
+      real(wp), intent(in) :: f(BLOCK, 3), moment(BLOCK, 3)   !! as those of find_wrench
       type(matrix_t), intent(in) :: b
       real(wp), intent(inout) :: wrench(:, :)     !! (N_CONSISTENT_WRENCH, n and more)
 
       real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
+      integer :: i, k
+
+      call find_wrench(n, f, moment, b, w)
+      do i = 1, n
+         do k = 1, N_CONSISTENT_WRENCH
+            wrench(k, i) = w(i, k)
+         end do
+      end do
+   end subroutine put_wrench
+
+   !> Force on end 1 and moments about the leads of both ends
+   pure subroutine find_wrench(n, f, moment, b, w)
+      integer, value :: n
+      real(wp), intent(in) :: f(BLOCK, 3)         !! forces of the translations
+      real(wp), intent(in) :: moment(BLOCK, 3)    !! of the rotations, on body 1, W
+      type(matrix_t), intent(in) :: b
+      real(wp), intent(out) :: w(BLOCK, N_CONSISTENT_WRENCH)
+
       integer :: i, k
 
       do k = 1, 3
@@ -81,12 +98,7 @@ contains
          w(i, 8) = (b%apart(i, 3)*w(i, 1) - b%apart(i, 1)*w(i, 3)) - w(i, 5)
          w(i, 9) = (b%apart(i, 1)*w(i, 2) - b%apart(i, 2)*w(i, 1)) - w(i, 6)
       end do
-      do i = 1, n
-         do k = 1, N_CONSISTENT_WRENCH
-            wrench(k, i) = w(i, k)
-         end do
-      end do
-   end subroutine put_wrench
+   end subroutine find_wrench
 
    !> Rates of all joints of a batch with the velocities of the poses
    pure subroutine joint_rates(batch, poses, joint, rate)

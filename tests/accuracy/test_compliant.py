@@ -134,6 +134,13 @@ class Benchmarks(unittest.TestCase):
         run, error = benchmark("HTOP01", *INF, "--sample", 0.05)
         self.assertLess(error["position"], 1e-3)
 
+    def test_steps_grow_with_the_root_of_the_tolerance(self):
+        """Second order: a hundredth of the tolerance takes ten times the steps of the prototype at 1e-4, 247. Rows that
+        stiffen at once with shorter steps shake the thin rods until the run stands still."""
+        for tolerance, most in ((1e-4, 247), (1e-5, 247*10**0.5), (1e-6, 2470)):
+            run = scene(scenes.bricard(), 1.0, 0.05, *INF, "--error", tolerance)
+            self.assertLess(run.cycles, most)
+
     def test_cost_for_the_error(self):
         """Steps of the prototype at 1e-3 and 20 samples, for inf: 265; 300 allowed"""
         run, _ = benchmark("SLCR01", *INF, "--sample", 0.05)

@@ -320,6 +320,10 @@ class Trace(Program):
                              heads)
             self.assertEqual(2, sum(" q       rate    elastic" in line for line in lines))
 
+    def test_compliant_is_traced(self):
+        lines = self.trace("-q", "--integrator", "compliant", ids="901").stdout.splitlines()
+        self.assertEqual(2, sum(line.startswith("joint 901   cycle ") for line in lines))
+
     def test_springs_are_traced(self):
         self.DECK = SOURCE / "decks" / "spring_mount_0000.rad"
         hint = self.trace(ids="999999", code=2).stderr
