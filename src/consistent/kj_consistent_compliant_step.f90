@@ -9,10 +9,9 @@ module kj_consistent_compliant_step
    use kj_consistent_matrix, only: rates
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_body, only: inverse_inertias, predict, spin_velocity
-   use kj_consistent_leads, only: move_leads, kick_leads
-   use kj_consistent_conditions, only: motion_targets, project_rates, count_work, FIRST_HALF, &
-      SECOND_HALF
+   use kj_consistent_body, only: inverse_inertias, spin_velocity
+   use kj_consistent_leads, only: move_leads, look_leads, kick_leads
+   use kj_consistent_conditions, only: motion_targets, count_work, FIRST_HALF, SECOND_HALF
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes, reach_motions
    use kj_consistent_compliant_types, only: compliant_t
@@ -319,13 +318,13 @@ contains
 
       state%compliant%f(:, :) = state%f
       state%compliant%t(:, :) = state%t
-      call look(model, state)
+      call look_leads(model, state%poses%h, 1, model%n_lead, state)
       associate (self => state%compliant)
          if (self%any_damper) then
             call damper_rows(model, h, state, self, any_rest)
             if (any_rest) then
                call add_rests(model, state, self)
-               call look(model, state)
+               call look_leads(model, state%poses%h, 1, model%n_lead, state)
                state%f(:, :) = self%f
                state%t(:, :) = self%t
             end if
@@ -343,15 +342,6 @@ contains
          call estimate_error(model, h, state, self)
       end associate
    end subroutine velocity_stage
-
-   !> Velocities of the poses after a second half kick by the forces of the leads
-   subroutine look(model, state)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(inout) :: state
-
-      call predict(model, state%poses%h, 1, model%n_lead, state)
-      call project_rates(model, state%final, state%active, 1, size(model%hold), state)
-   end subroutine look
 
    !> Right-hand sides of the velocity stage, for the velocities of the poses
    subroutine velocity_sides(model, h, state, self, at_rest)
