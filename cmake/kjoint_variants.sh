@@ -11,7 +11,8 @@ for word; do
 done
 case $machines in *-march=*-march=*) ;; *) exec "$@" ;; esac
 
-# number 0 makes the .mod files, too; the others run beside it and see their own first
+# number 0 makes the .mod files, too; the others run beside it and see their own first, never those of
+# an earlier build
 variant() {                                     # machine, its number, the command
    extra=$1 part=$object.$2 compiler=$3
    shift 3
@@ -20,7 +21,7 @@ variant() {                                     # machine, its number, the comma
       shift
       case $word in -J*) ;; *) set -- "$@" "$word" ;; esac
    done
-   "$compiler" "-J$part.mod" "$@" "$extra" -o "$part"
+   "$compiler" "-J$part.mod" "-I$part.mod" "$@" "$extra" -o "$part"
 }
 n=0
 parts='' running=''

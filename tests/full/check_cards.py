@@ -384,7 +384,8 @@ def large(c):
                            "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)", c.kjoint, "extract", c.work/"full_0000.rad",
                            "-o", c.work/"mech_0000.rad"], capture_output=True, text=True, check=True).stdout
     size = (c.work/"full_0000.rad").stat().st_size
-    c.check("memory for a large deck", 1024*int(most) < 0.5*size + 2**23, [most, size])   # beside 8 MiB of the program
+    if b"__asan_init" not in pathlib.Path(c.kjoint).read_bytes():   # sanitizers keep what is freed
+        c.check("memory for a large deck", 1024*int(most) < 0.5*size + 2**23, [most, size])   # beside 8 MiB of the program
 
 
 def circles(c):
