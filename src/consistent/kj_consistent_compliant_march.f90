@@ -24,7 +24,8 @@ module kj_consistent_compliant_march
    integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
    real(wp), parameter :: TOO_LARGE = 4.0_wp     !! error of a step over the allowed: taken back
    real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
-   real(wp), parameter :: START_PART = 0.02_wp   !! of the run, the first steps at most
+   real(wp), parameter :: START_PART = 0.02_wp   !! of the run, first steps at most: their error
+   real(wp), parameter :: USUAL = 1.0e-3_wp      !! does not count; less below this tolerance
 
    !> Step control
    type :: pace_t
@@ -76,7 +77,7 @@ contains
       self%h_bound = self%factor*min(self%bound%h, 1.0e30_wp)
       self%span = model%control%t_stop - state%time
       if (.not. self%span > 0.0_wp) self%span = 1.0_wp
-      self%h_error = START_PART*self%span
+      self%h_error = START_PART*self%span*min(1.0_wp, sqrt(self%tolerance/USUAL))
       self%limited = any(model%batch%limited)
       call list_events(model, self)
       self%left = 0
