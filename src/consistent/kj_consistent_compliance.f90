@@ -23,6 +23,15 @@ contains
 
       integer :: i, k, lead1, lead2
 
+      if (batch%abreast) then
+         lead1 = batch%lead(from, 1)
+         lead2 = batch%lead(from, 2)
+         im(:n, 1) = poses%im(lead1:lead1 + n - 1)
+         im(:n, 2) = poses%im(lead2:lead2 + n - 1)
+         ij1(:n, :) = poses%ij(lead1:lead1 + n - 1, :)
+         ij2(:n, :) = poses%ij(lead2:lead2 + n - 1, :)
+         return
+      end if
       do i = 1, n
          lead1 = batch%lead(from + i - 1, 1)
          lead2 = batch%lead(from + i - 1, 2)

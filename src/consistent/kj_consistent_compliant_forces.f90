@@ -136,7 +136,8 @@ contains
             call add_moment(n, rub(:, 4:6), rows%b%turn, moment)
             f(:n, 1:3) = f(:n, 1:3) + rub(:n, 1:3)
          end if
-         call put_wrench(n, f(:, 1:3), moment, rows%b, state%wrench(:, batch%first + from:))
+         call put_wrench(n, .false., f(:, 1:3), moment, rows%b, &
+            state%wrench(:, batch%first + from:))
       end associate
    end subroutine springs_of_block
 

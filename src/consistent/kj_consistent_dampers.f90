@@ -95,7 +95,8 @@ contains
          end if
          moment(:n, :) = 0.0_wp
          if (any(on(4:6))) call add_moment(n, f(:, 4:6), state%b%turn, moment)
-         call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
+         call put_wrench(n, batch%abreast, f(:, 1:3), moment, state%b, &
+            wrench(:, batch%first + from:))
          do k = 1, NDOF
             if (.not. on(k)) cycle
             !$omp simd

@@ -95,7 +95,7 @@ contains
          else
             call add_moment(BLOCK, springs(:, 4:6), lanes%b%turn, moment)
          end if
-         call put_wrench(BLOCK, rows(:, 1:3) + springs(:, 1:3), moment, lanes%b, wrench)
+         call put_wrench(BLOCK, .false., rows(:, 1:3) + springs(:, 1:3), moment, lanes%b, wrench)
          inside%force = wrench(1:3, lane_of(i))
          inside%moment = reshape(wrench(4:9, lane_of(i)), [3, 2])
       end associate

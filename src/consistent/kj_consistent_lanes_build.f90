@@ -42,6 +42,7 @@ contains
             end associate
          end do
          call build_lead_map(w%n_lead, ends, w%map)
+         w%map%abreast = .true.
          call new_holds(model, w)
          w%team%threads = 1
          w%team%lanes = BLOCK
@@ -68,6 +69,7 @@ contains
       wide%law = one%law
       wide%kind = one%kind
       wide%limited = one%limited
+      wide%abreast = .true.
       allocate (wide%lead(wide%n, 2))
       do i = 1, wide%n
          wide%lead(i, :) = BLOCK*(one%lead(block_of(i), :) - 1) + lane_of(i)

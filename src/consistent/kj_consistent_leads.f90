@@ -4,7 +4,7 @@
 module kj_consistent_leads
    use kj_kinds, only: wp
    use kj_block, only: BLOCK, block_of
-   use kj_lead_map, only: gather_wrench, first_hub, N_SUM
+   use kj_lead_map, only: gather_wrench, gather_abreast, first_hub, N_SUM
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: midpoint_drift, kick, drift, predict, spin, inertias_of
    use kj_consistent_conditions, only: project, keep_rates, hold_rotations, project_rates, &
@@ -306,9 +306,16 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: total(N_SUM)
-      integer :: lead, hub, k
+      real(wp) :: total(N_SUM), totals(BLOCK, 6)
+      integer :: lead, hub, k, n
 
+      if (model%map%abreast) then
+         n = hi - lo + 1
+         call gather_abreast(model%map, state%wrench, lo, n, totals)
+         state%f(lo:hi, :) = state%f(lo:hi, :) + totals(:n, :3)
+         state%t(lo:hi, :) = state%t(lo:hi, :) + totals(:n, 4:)
+         return
+      end if
       hub = first_hub(model%map, lo)
       do lead = lo, hi
          call gather_wrench(model%map, state%wrench, state%part, lead, hub, total)

@@ -55,16 +55,23 @@ contains
       end do
    end subroutine add_moment
 
-   !> Force on end 1 and moments about the leads of both ends, as rows of all joints
-   pure subroutine put_wrench(n, f, moment, b, wrench)
+   !> Force on end 1 and moments about the leads of both ends, as rows of all joints; abreast: as
+   !> gather_abreast reads them
+   pure subroutine put_wrench(n, abreast, f, moment, b, wrench)
       integer, value :: n
+      logical, intent(in) :: abreast
       real(wp), intent(in) :: f(BLOCK, 3), moment(BLOCK, 3)   !! as those of find_wrench
       type(matrix_t), intent(in) :: b
-      real(wp), intent(inout) :: wrench(:, :)     !! (N_CONSISTENT_WRENCH, n and more)
+      !> (N_CONSISTENT_WRENCH, n and more)
+      real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
       integer :: i, k
 
+      if (abreast) then
+         call find_wrench(n, f, moment, b, wrench(:, :BLOCK))
+         return
+      end if
       call find_wrench(n, f, moment, b, w)
       do i = 1, n
          do k = 1, N_CONSISTENT_WRENCH
@@ -130,15 +137,28 @@ contains
       real(wp), dimension(BLOCK, 3) :: dv, w2, dw
       integer :: i, k, lead1, lead2
 
-      do i = 1, n
-         lead1 = batch%lead(from + i - 1, 1)
-         lead2 = batch%lead(from + i - 1, 2)
+      if (batch%abreast) then
+         lead1 = batch%lead(from, 1) - 1
+         lead2 = batch%lead(from, 2) - 1
          do k = 1, 3
-            dv(i, k) = v(lead2, k) - v(lead1, k)
-            w2(i, k) = w(lead2, k)
-            dw(i, k) = w2(i, k) - w(lead1, k)
+            !$omp simd
+            do i = 1, n
+               dv(i, k) = v(lead2 + i, k) - v(lead1 + i, k)
+               w2(i, k) = w(lead2 + i, k)
+               dw(i, k) = w2(i, k) - w(lead1 + i, k)
+            end do
          end do
-      end do
+      else
+         do i = 1, n
+            lead1 = batch%lead(from + i - 1, 1)
+            lead2 = batch%lead(from + i - 1, 2)
+            do k = 1, 3
+               dv(i, k) = v(lead2, k) - v(lead1, k)
+               w2(i, k) = w(lead2, k)
+               dw(i, k) = w2(i, k) - w(lead1, k)
+            end do
+         end do
+      end if
       !$omp simd
       do i = 1, n
          dv(i, 1) = dv(i, 1) - (w2(i, 2)*b%apart(i, 3) - w2(i, 3)*b%apart(i, 2))

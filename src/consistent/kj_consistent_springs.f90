@@ -103,7 +103,8 @@ contains
             f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
             if (any(damped(4:6))) call add_moment(n, q(:, 4:6), state%b%turn, moment)
          end if
-         call put_wrench(n, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
+         call put_wrench(n, batch%abreast, f(:, 1:3), moment, state%b, &
+            wrench(:, batch%first + from:))
       end associate
    end subroutine springs_of
 
@@ -295,18 +296,26 @@ contains
       real(wp) :: a1(BLOCK, 3), a2(BLOCK, 3)
       integer :: i, j, k, lead1, lead2
 
-      do i = 1, n
-         j = from + i - 1
-         lead1 = batch%lead(j, 1)
-         lead2 = batch%lead(j, 2)
-         do k = 1, 4
-            q1(i, k) = poses%quat(lead1, k)
-            q2(i, k) = poses%quat(lead2, k)
+      if (batch%abreast) then
+         lead1 = batch%lead(from, 1)
+         lead2 = batch%lead(from, 2)
+         q1(:n, :) = poses%quat(lead1:lead1 + n - 1, :)
+         q2(:n, :) = poses%quat(lead2:lead2 + n - 1, :)
+         r(:n, :) = poses%d(lead2:lead2 + n - 1, :) - poses%d(lead1:lead1 + n - 1, :)
+      else
+         do i = 1, n
+            j = from + i - 1
+            lead1 = batch%lead(j, 1)
+            lead2 = batch%lead(j, 2)
+            do k = 1, 4
+               q1(i, k) = poses%quat(lead1, k)
+               q2(i, k) = poses%quat(lead2, k)
+            end do
+            do k = 1, 3
+               r(i, k) = poses%d(lead2, k) - poses%d(lead1, k)
+            end do
          end do
-         do k = 1, 3
-            r(i, k) = poses%d(lead2, k) - poses%d(lead1, k)
-         end do
-      end do
+      end if
       do k = 1, 4
          c1(:n, k) = batch%geometry%triad(from:from + n - 1, k)
          c2(:n, k) = batch%geometry%triad(from:from + n - 1, k + 4)

@@ -20,7 +20,8 @@ contains
       type(consistent_state_t), intent(in) :: state
 
       small = model%n_element <= MOST_ELEMENTS .and. model%n_element > 0 .and. &
-         model%team%threads == 1 .and. size(model%cload) + size(model%placed) == 0 .and. &
+         model%team%threads == 1 .and. size(model%map%hub) == 0 .and. &
+         size(model%cload) + size(model%placed) == 0 .and. &
          all(model%steady) .and. &
          .not. (allocated(state%f_host) .or. allocated(state%compliant))
    end function is_small

@@ -73,6 +73,7 @@ module kj_joint_batch
       integer :: law(NDOF) = 0                  !! LAW_ bits of each dof
       integer :: kind = KJOINT                  !! KJOINT, KJOINT2 or a SPRING
       logical :: limited = .false.              !! `limit` is there and acts
+      logical :: abreast = .false.              !! leads of a block follow each other at either end
       integer, allocatable :: node(:, :)        !! (n, 2) node index of each end
       integer, allocatable :: lead(:, :)        !! (n, 2) body or free node that carries the end
       integer, allocatable :: skew(:, :)        !! (n, 2) skew index of each end, 0 = none

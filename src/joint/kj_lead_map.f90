@@ -4,10 +4,12 @@
 module kj_lead_map
    use kj_kinds, only: wp
    use kj_sort, only: lower_bound
+   use kj_block, only: BLOCK
    implicit none
    private
 
-   public :: lead_map_t, build_lead_map, sum_hubs, gather_wrenches, gather_wrench, first_hub
+   public :: lead_map_t, build_lead_map, sum_hubs, gather_wrenches, gather_wrench, &
+      gather_abreast, first_hub
 
    !> Rows of the wrench of a joint
    integer, parameter, public :: W_FORCE = 1     !! 1-3: force on end 1, W; end 2 gets the opposite
@@ -27,6 +29,9 @@ module kj_lead_map
       integer, allocatable :: joint(:)   !! (2 n_joint) joint of each entry; negative at end 2
       integer, allocatable :: hub(:)     !! leads with more than SPAN entries, ascending
       integer, allocatable :: part(:)    !! (hubs + 1) first part of each hub
+      !> Joints of a block are at leads of a block, place by place, and of each nine rows of a
+      !> wrench its places follow each other; no hubs
+      logical :: abreast = .false.
    end type lead_map_t
 
 contains
@@ -172,6 +177,36 @@ contains
       end if
       call sum_entries(map%first(lead), map%first(lead + 1) - 1, map%joint, wrench, total)
    end subroutine gather_wrench
+
+   !> Force and moment of the first n leads of the block that begins with lo, of joints abreast
+   pure subroutine gather_abreast(map, wrench, lo, n, total)
+      type(lead_map_t), intent(in) :: map
+      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (9, n_joint)
+      integer, intent(in) :: lo, n
+      real(wp), intent(out) :: total(BLOCK, 6)
+
+      integer :: i, j
+
+      total(:n, :) = 0.0_wp
+      do i = map%first(lo), map%first(lo + 1) - 1
+         j = abs(map%joint(i))
+         call add_block(n, map%joint(i) > 0, wrench(:, j:j + BLOCK - 1), total)
+      end do
+   end subroutine gather_abreast
+
+   pure subroutine add_block(n, at_first, wrench, total)
+      integer, intent(in) :: n
+      logical, intent(in) :: at_first            !! end of the joints
+      real(wp), intent(in) :: wrench(BLOCK, 9)
+      real(wp), intent(inout) :: total(BLOCK, 6)
+
+      if (at_first) then
+         total(:n, :) = total(:n, :) + wrench(:n, W_FORCE:W_MOMENT1 + 2)
+      else
+         total(:n, :3) = total(:n, :3) - wrench(:n, W_FORCE:W_FORCE + 2)
+         total(:n, 4:) = total(:n, 4:) + wrench(:n, W_MOMENT2:W_MOMENT2 + 2)
+      end if
+   end subroutine add_block
 
    !> Sum over the entries first..last
    pure subroutine sum_entries(first, last, joint, wrench, total)
