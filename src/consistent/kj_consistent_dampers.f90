@@ -45,6 +45,8 @@ contains
             call dampers_of(3, batch, curves, poses, from, joint, wrench)
          case (4)
             call dampers_of(4, batch, curves, poses, from, joint, wrench)
+         case (BLOCK:)
+            call dampers_of(BLOCK, batch, curves, poses, from, joint, wrench)
          case default
             call dampers_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
          end select

@@ -44,6 +44,8 @@ contains
                call move_block(4, from + lane - 1, model, midpoint, h(lane:), state)
             case (8)
                call move_block(8, from + lane - 1, model, midpoint, h(lane:), state)
+            case (BLOCK)
+               call move_block(BLOCK, from + lane - 1, model, midpoint, h(lane:), state)
             case default
                call move_block(many, from + lane - 1, model, midpoint, h(lane:), state)
             end select
@@ -224,6 +226,8 @@ contains
                call look_block(4, from + lane - 1, model, h(lane:), state)
             case (8)
                call look_block(8, from + lane - 1, model, h(lane:), state)
+            case (BLOCK)
+               call look_block(BLOCK, from + lane - 1, model, h(lane:), state)
             case default
                call look_block(many, from + lane - 1, model, h(lane:), state)
             end select
@@ -272,6 +276,8 @@ contains
                call kick_block(4, from + lane - 1, model, h(lane:), state)
             case (8)
                call kick_block(8, from + lane - 1, model, h(lane:), state)
+            case (BLOCK)
+               call kick_block(BLOCK, from + lane - 1, model, h(lane:), state)
             case default
                call kick_block(many, from + lane - 1, model, h(lane:), state)
             end select

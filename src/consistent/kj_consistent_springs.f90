@@ -50,6 +50,8 @@ contains
             call springs_of(3, batch, curves, poses, from, joint, wrench)
          case (4)
             call springs_of(4, batch, curves, poses, from, joint, wrench)
+         case (BLOCK:)
+            call springs_of(BLOCK, batch, curves, poses, from, joint, wrench)
          case default
             call springs_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
          end select
