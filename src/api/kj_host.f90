@@ -7,7 +7,6 @@ module kj_host
    use kj_kinds, only: wp
    use kj_math3, only: IDENTITY, cross
    use kj_joint_types, only: NDOF
-   use kj_model, only: model_t
    use kj_legacy_state, only: legacy_state_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_safe_step, only: bound_t

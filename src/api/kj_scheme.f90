@@ -3,8 +3,7 @@
 !> One file: the question is asked nowhere else.
 module kj_scheme
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, fail, add_finding, str, ERR_INPUT, &
-      SEV_WARNING
+   use kj_error, only: error_t, finding_list_t, fail, add_finding, ERR_INPUT, SEV_WARNING
    use kj_block, only: block_of, lane_of
    use kj_model, only: model_t, joint_title, STOP_BELOW
    use kj_snapshot, only: snapshot_t, inside_t, new_snapshot

@@ -1,6 +1,6 @@
 !> Bodies of the public module: what a scene is like before it runs.
 submodule (kjoint:kjoint_run) kjoint_check
-   use kj_joint_types, only: joint_types, NDOF
+   use kj_joint_types, only: NDOF
    use kj_joint_batch, only: blocking_stiffness, joint_batch_t, LAW_SPRING_CURVE, &
       LAW_DAMPER_CURVE, has_friction
    use kj_curve, only: curve_set_t, law_value

@@ -4,7 +4,6 @@ module kj_diff_command
    use kj_channels, only: CH_TIME
    use kj_text, only: text_t
    use kj_python, only: run_python, add_words
-   use kj_kinds, only: wp
    use kj_metrics, only: find_metrics
    use kj_diff, only: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, &
       diff_json, diff_junit

@@ -3,7 +3,7 @@
 module kj_keeper
    use, intrinsic :: iso_fortran_env, only: int8
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, str, ERR_INPUT, ERR_FILE
+   use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
    use kj_system, only: wall_clock, absolute_path, sync_file
    use kj_output, only: settle_output
    use kj_text, only: text_t

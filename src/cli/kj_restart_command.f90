@@ -3,7 +3,7 @@
 module kj_restart_command
    use, intrinsic :: iso_fortran_env, only: int8
    use kj_kinds, only: wp
-   use kj_error, only: error_t, fail, str, ERR_INPUT, ERR_FILE
+   use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_option, only: arguments_t, OPT_RESTART, OPT_NEW_FILE, OPT_OUTPUT
    use kj_history, only: history_t

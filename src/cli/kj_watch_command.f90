@@ -11,7 +11,6 @@ module kj_watch_command
    use kj_reader, only: history_reader_t, open_history_file, read_rows, read_facts, &
       close_history_file
    use kj_series, only: series_t, find_series, series_value
-   use kj_system, only: wall_clock
    use kj_option, only: arguments_t
    use kj_export_command, only: channel_names
    use kj_signal, only: watch_signals, caught_signal

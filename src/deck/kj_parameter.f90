@@ -2,7 +2,7 @@
 module kj_parameter
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, add_finding, SEV_ERROR, SEV_WARNING, ERR_INPUT, str
-   use kj_number, only: parse_real, parse_integer, NUMBER_FINE, NUMBER_WHOLE_REAL
+   use kj_number, only: parse_real, parse_integer, NUMBER_FINE
    use kj_expression, only: names_t, evaluate
    use kj_keywords, only: KW_PARAMETER
    use kj_deck_text, only: deck_t, line_text, first_card, add_deck_finding, report_header, &

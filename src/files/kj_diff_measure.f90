@@ -1,6 +1,5 @@
 !> The tolerance of every channel, and the difference of two rows in terms of it.
 module kj_diff_measure
-   use, intrinsic :: iso_fortran_env, only: int64, real32
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use kj_kinds, only: wp
    use kj_units, only: D_ENERGY, D_NUMBER

@@ -1,7 +1,7 @@
 !> Records of a Radioss time-history file, whatever its form: framed bytes of either byte order
 !> with words of 4 or 8 bytes (/TFILE types 4 and 1), or text (type 3).
 module kj_t01_file
-   use, intrinsic :: iso_fortran_env, only: int8, int32, int64, real32, real64
+   use, intrinsic :: iso_fortran_env, only: int8, int64
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_t01_bytes, only: byte_file_t, open_bytes, read_bytes, seek_bytes, byte_position, &

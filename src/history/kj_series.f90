@@ -10,7 +10,6 @@
 module kj_series
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_INPUT
-   use kj_text, only: text_t
    use kj_spelling, only: edit_distance
    use kj_units, only: unit_text
    use kj_joint_types, only: DOF_NAME

@@ -1,7 +1,6 @@
 !> What a picture of the rigid bodies needs beside their motion: points that they carry, and which
 !> of them to join.
 module kj_shape
-   use kj_kinds, only: wp
    use kj_model, only: model_t
    use kj_history, only: shape_t
    implicit none

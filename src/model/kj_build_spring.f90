@@ -6,13 +6,12 @@ module kj_build_spring
    use kj_error, only: str, SEV_ERROR, SEV_WARNING
    use kj_units, only: dimensions, D_LENGTH, D_NUMBER, D_FORCE, D_MOMENT, D_VELOCITY, &
       D_ANGULAR_VELOCITY, D_ENERGY
-   use kj_sort, only: find
    use kj_curve, only: add_curve, steepest_rise
    use kj_joint_types, only: ROW_FREE, NDOF, DOF_NAME, FRAME_FIXED, FRAME_LINE, &
       FRAME_MEAN
    use kj_joint_batch, only: SPRING4, SPRING8, SPRING13
    use kj_spring_law, only: direction_t, spring_t, ELASTIC, UNCOUPLED, KINEMATIC, NONLINEAR, &
-      ISOTROPIC_CURVES, HYSTERETIC, TOTAL_LENGTH, BY_WAY, BY_FORCE, BY_ENERGY, NO_FAILURE
+      ISOTROPIC_CURVES, HYSTERETIC, TOTAL_LENGTH, BY_FORCE, BY_ENERGY, NO_FAILURE
    use kj_keywords, only: KW_SPRING4, KW_SPRING8, KW_SPRING13
    use kj_deck_text, only: deck_t, block_factors
    use kj_cards, only: cards_t, read_cards, real_of, int_of, is_given, report, &
