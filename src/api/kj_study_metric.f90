@@ -5,7 +5,7 @@ module kj_study_metric
    use kj_channels, only: channels, AT_T, AT_HALF, CH_ENERGY_ERROR, CH_J_FORCE, CH_J_MOMENT, &
       CH_J_VIOL_T, CH_J_VIOL_R, CH_B_POS, CH_B_VEL, CH_B_ANGVEL, CH_B_ORIENT, CH_N_POS, CH_N_VEL
    use kj_history, only: history_t, variable_t
-   use kj_sink_memory, only: sink_memory_t
+   use kj_sink, only: sink_memory_t
    implicit none
    private
 

@@ -20,8 +20,7 @@ module kjoint
    use kj_history, only: history_t
    use kj_sample, only: sampler_t
    use kj_extremes, only: extremes_t
-   use kj_sink, only: sink_t
-   use kj_sink_memory, only: sink_memory_t
+   use kj_sink, only: sink_t, sink_memory_t
    use kj_check, only: check_t, limit_row_t
    use kj_extract_report, only: extract_report_t
    use kj_run_option, only: run_options_t, run_options, set_run_option, find_run_option, &
@@ -31,9 +30,8 @@ module kjoint
       TRACE_SPRING, TRACE_BODY, TRACE_NODE
    use kj_host, only: joint_set_t, joint_spec_t, joint_result_t
    use kj_host_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
-   use kj_host_force, only: joint_forces, joint_stiffness, critical_step, joint_count, &
-      joint_result, joint_energy, joint_warnings
-   use kj_host_state, only: joint_state_size, save_joints, restore_joints
+   use kj_host_state, only: joint_state_size, save_joints, restore_joints, joint_forces, &
+      joint_stiffness, critical_step, joint_count, joint_result, joint_energy, joint_warnings
    implicit none
    private
 

@@ -4,7 +4,7 @@ module kjoint_c_base
       c_loc, c_associated, c_null_char, c_null_ptr
    use kj_error, only: error_t, finding_list_t, str, ERR_INPUT, SEV_NOTE, SEV_ERROR
    use kj_host, only: joint_set_t, joint_result_t
-   use kj_sink_memory, only: sink_memory_t
+   use kj_sink, only: sink_memory_t
    use kjoint, only: simulation_t, run_status_t
    implicit none
    private

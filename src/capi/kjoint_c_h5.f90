@@ -2,7 +2,7 @@
 module kjoint_c_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, c_int, c_double, c_f_pointer, c_associated
    use kj_error, only: error_t, ERR_FILE, ERR_INPUT
-   use kj_iso18571, only: iso18571_t, rate_iso18571
+   use kj_metrics, only: iso18571_t, rate_iso18571
    use kj_sink_h5, only: sink_h5_t
    use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, OF_MODEL, OK
    implicit none

@@ -6,7 +6,7 @@ module kj_card_page
    use kj_keywords, only: keywords, keyword_of, READ_IT, ASIDE, FULL_ONLY, NOTE_IT, HEAD_ID, &
       HEAD_UNIT, HEAD_TYPE_ID, KW_KJOINT
    use kj_card_fields, only: fields, field_t, EACH, ROWS, DOFS, IDS, PAIRS, TRIPLES, NAMES, CLAUSES
-   use kj_shipped_deck, only: shipped_count, shipped_name, shipped_text
+   use kj_new_command, only: shipped_count, shipped_name, shipped_text
    use kj_spelling, only: upper
    use kj_terminal, only: print_line
    implicit none

@@ -1,5 +1,6 @@
 !> `kjoint check`: reads and checks decks, and prints what their scenes are like.
 module kj_check_command
+   use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, add_finding, str, SEV_WARNING, ERR_INPUT
    use kj_output, only: write_output
    use kj_option, only: arguments_t, OPT_QUIET, OPT_JSON, OPT_JUNIT, OPT_WERROR

@@ -1,9 +1,10 @@
 !> `kjoint diff` and `kjoint convert`: options in, answer out.
 module kj_diff_command
+   use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_FILE
    use kj_channels, only: CH_TIME
    use kj_text, only: text_t
-   use kj_python, only: run_python, add_words
+   use kj_python_command, only: run_python, add_words
    use kj_metrics, only: find_metrics
    use kj_diff, only: compare_histories, diff_options_t, diff_result_t, set_window, diff_text, &
       diff_json, diff_junit

@@ -6,7 +6,7 @@ module kj_export_command
    use kj_export, only: export_csv, export_json
    use kj_write_t01, only: write_t01
    use kj_text, only: text_t
-   use kj_python, only: run_python, add_words
+   use kj_python_command, only: run_python, add_words
    use kj_option, only: arguments_t, OPT_OUTPUT, OPT_TO, OPT_SEPARATOR, OPT_DECIMAL, OPT_TFILE
    use kj_terminal, only: print_line, print_text
    implicit none

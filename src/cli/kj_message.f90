@@ -1,10 +1,9 @@
 !> THE table of messages: every id a finding can have, what it means, why it comes, what to do.
 !> `kjoint help KJ-0387` prints a row. The rows stand in kj_message_*, by what they are about.
 module kj_message
-   use kj_message_text, only: message_t, text_messages
+   use kj_message_text, only: message_t, text_messages, full_messages
    use kj_message_scene, only: scene_messages
    use kj_message_joint, only: joint_messages
-   use kj_message_full, only: full_messages
    implicit none
    private
 

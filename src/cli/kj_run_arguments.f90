@@ -1,5 +1,6 @@
 !> What the commands that run a deck have in common: options of a run, engine deck, exit code.
 module kj_run_arguments
+   use kj_kinds, only: wp
    use kj_error, only: error_t, finding_list_t, fail, code_of, ERR_INPUT
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_team, only: has_threads, processors

@@ -1,25 +1,28 @@
 !> Starter decks: file(s) -> blocks of lines with their origin, format version and units.
 !>
 !> A unit is a prefix and g, m or s, or its SI value.
+!> One file: reading a deck is one pass with many turns
 module kj_deck
    use kj_kinds, only: wp
    use kj_error, only: SEV_ERROR, SEV_WARNING, SEV_NOTE, str
    use kj_units, only: unit_system_t, factor_of
-   use kj_keywords, only: keywords, KW_BEGIN, KW_UNIT, KW_UNIT_MASS, KW_UNIT_LENGTH, &
-      KW_UNIT_TIME, KW_KJOINT2, KW_INIVEL_AXIS
+   use kj_keywords, only: keywords, KW_BEGIN, KW_UNIT, KW_UNIT_MASS, KW_UNIT_LENGTH, KW_UNIT_TIME, &
+      KW_KJOINT2, KW_INIVEL_AXIS, KW_PART, KW_RBODY, KW_GRNOD_PART
    use kj_card_fields, only: field_range
    use kj_deck_text, only: deck_t, source_t, report_file, report_header, mute_block, report_line, &
-      line_text
+      line_text, block_t, first_card, title_of, add_line, add_source, add_block, FLAT
    use kj_deck_scan, only: scan_deck
    use kj_deck_flat, only: flatten_deck
-   use kj_rigid_part, only: make_rigid_parts
    use kj_parameter, only: setting_t
    use kj_cards, only: cards_t, read_cards, int_of, text_of, report
-   use kj_number, only: parse_real, NUMBER_FINE
+   use kj_number, only: parse_real, NUMBER_FINE, parse_integer
+   use kj_card_text, only: integer_field
    implicit none
    private
 
    public :: read_deck
+
+   integer, parameter :: SINCE = 2612           !! version of /BEGIN
 
    integer, parameter :: NEWEST = 2612          !! newest format version
    integer, parameter :: OLD = 2017             !! of older ones not every layout is known
@@ -365,5 +368,86 @@ contains
       if (found) symbol = '('//text(:min(len(text), 13))//' '//trim(SI_SYMBOL(kind))//')'
       if (.not. found) si = 1.0_wp
    end subroutine read_unit
+
+   !> A body for each rigid part
+   subroutine make_rigid_parts(deck)
+      type(deck_t), intent(inout) :: deck
+
+      character(len=100) :: card(4)
+      integer :: block, group, flag, status, i
+
+      if (deck%version < SINCE) return
+      do block = 1, deck%n_block
+         if (deck%block(block)%keyword /= KW_PART) cycle
+         card = ''
+         do i = first_card(deck, block), min(first_card(deck, block) + 3, deck%block(block)%last)
+            card(i - first_card(deck, block) + 1) = line_text(deck, i)
+         end do
+         call parse_integer(trim(card(1)(51:70)), flag, status)
+         if (status /= NUMBER_FINE .or. flag == 0) cycle
+         group = free_id(deck, '/GRNOD', '/SET')
+         call append(deck, block, KW_RBODY, free_id(deck, '/RBODY', '/RBE2'), [ &
+            card(2)(:10)//card(2)(51:60)//card(2)(11:20)//repeat(' ', 10)//card(2)(21:40)// &
+            integer_field(group)//repeat(' ', 30), card(3), card(4)])
+         card = integer_field(deck%block(block)%id)
+         call append(deck, block, KW_GRNOD_PART, group, card(:1))
+      end do
+   end subroutine make_rigid_parts
+
+   !> One more than all ids of blocks whose keywords begin so
+   pure integer function free_id(deck, one, other) result(id)
+      type(deck_t), intent(in) :: deck
+      character(len=*), intent(in) :: one, other
+
+      integer :: i
+
+      id = 1
+      do i = 1, deck%n_block
+         if (deck%block(i)%row == 0) cycle
+         associate (name => keywords(deck%block(i)%row)%name)
+            if (index(name, one) == 1 .or. index(name, other) == 1) &
+               id = max(id, deck%block(i)%id + 1)
+         end associate
+      end do
+   end function free_id
+
+   !> Append a block: header, title of the part, cards
+   subroutine append(deck, part, keyword, id, card)
+      type(deck_t), intent(inout) :: deck
+      integer, intent(in) :: part                !! block of the part
+      integer, intent(in) :: keyword, id
+      character(len=*), intent(in) :: card(:)
+
+      type(source_t) :: source
+      type(block_t) :: block
+      character(len=:), allocatable :: title
+      integer :: s, i, n, header
+
+      header = deck%block(part)%header
+      title = title_of(deck, part)
+      source%path = deck%source(deck%line_source(header))%path
+      source%role = FLAT
+      source%text = trim(keywords(keyword)%name)//'/'//str(id)//title
+      n = len(source%text) - len(title)
+      do i = 1, size(card)
+         source%text = source%text//card(i)
+      end do
+      call add_source(deck, source, s)
+      call add_line(deck, s, deck%line_number(header), 1, n)
+      call add_line(deck, s, deck%line_number(header), n + 1, n + len(title))
+      n = n + len(title)
+      do i = 1, size(card)
+         call add_line(deck, s, deck%line_number(header), n + 1, n + len(card))
+         n = n + len(card)
+      end do
+      block%keyword = keyword
+      block%row = keyword
+      block%id = id
+      block%unit_id = deck%block(part)%unit_id
+      block%last = deck%n_line
+      block%first = block%last - size(card)
+      block%header = block%first - 1
+      call add_block(deck, block)
+   end subroutine append
 
 end module kj_deck

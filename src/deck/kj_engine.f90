@@ -6,9 +6,8 @@ module kj_engine
    use kj_deck_text, only: deck_t, source_t, add_deck_finding, line_text, header_end, report_line, &
       report_file
    use kj_engine_text, only: engine_line_t, load_engine, split_words, read_values, word_integer, &
-      report_value
-   use kj_engine_words, only: engine_word_t, engine_words, find_engine_word, ENGINE_READ, &
-      ENGINE_NOTE, ENGINE_OUT
+      report_value, engine_word_t, engine_words, find_engine_word, ENGINE_READ, ENGINE_NOTE, &
+      ENGINE_OUT
    use kj_engine_nodes, only: node_act_t, take_node_act, keep_known
    use kj_sort, only: lookup_t
    use kj_keywords, only: find_keyword

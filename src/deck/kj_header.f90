@@ -6,7 +6,7 @@ module kj_header
       ASIDE, KW_ADMAS, HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, keyword_of
    use kj_spelling, only: upper, edit_distance
    use kj_card_fields, only: has_variant
-   use kj_engine_words, only: is_engine_word
+   use kj_engine_text, only: is_engine_word
    use kj_deck_text, only: deck_t, block_t, add_deck_finding, line_text, header_end, report_line
    implicit none
    private

@@ -12,20 +12,18 @@ module kj_diff
    use kj_channels, only: CH_TIME, channels, groups, OF_RUN, OF_JOINT, &
       CH_CYCLE, CH_TIME_STEP, CH_OWNER_KIND, CH_OWNER
    use kj_metrics, only: metrics, curve_sums_t, add_sample, finish_metrics, M_ISO, M_ISO_Z, &
-      M_ISO_P, M_ISO_M, M_ISO_S
+      M_ISO_P, M_ISO_M, M_ISO_S, rate_iso18571, iso18571_t
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t, profile_t, &
       find_profile, set_window, N_WORST, class_result_t
-   use kj_diff_match, only: list_groups, find_in_groups, entity_ids
    use kj_diff_walk, only: walk_t, open_cursor, convert_units, rewind_cursor, advance, time_of, &
       is_final, in_window, close_cursor, start_walk, next_pair, cursor_t
    use kj_diff_measure, only: rounding_t, rounding_of, add_peaks, scene_energy, set_tolerances, &
-      compare_rows
+      compare_rows, list_groups, find_in_groups, entity_ids
    use kj_diff_report, only: diff_text, diff_json, diff_junit
    use kj_text, only: append_text, text_t
    use kj_sort, only: lookup_t
    use kj_history, only: history_t, entity_title
    use kj_series, only: series_t, find_series, component_name, NORM
-   use kj_iso18571, only: rate_iso18571, iso18571_t
    implicit none
    private
 

@@ -22,9 +22,8 @@ module kj_sink_h5
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_image, close_file, create_group, &
       put_text, put_number
    use kj_h5_layout, only: write_layout
-   use kj_h5_chunk, only: packer_t, new_packer, free_packer, write_in_background, &
-      finish_background, write_buffer
-   use kj_h5_store, only: begin_store, commit_rows, last_rows, finish_store, close_store
+   use kj_h5_store, only: begin_store, commit_rows, last_rows, finish_store, close_store, &
+      packer_t, new_packer, free_packer, write_in_background, finish_background, write_buffer
    implicit none
    private
 

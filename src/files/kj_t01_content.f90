@@ -6,10 +6,9 @@ module kj_t01_content
    use kj_error, only: error_t, str
    use kj_text, only: text_t
    use kj_t01_file, only: t01_file_t, read_record, read_real_record, skip_record, broken, &
-      decode_reals, decode_length, MARK
+      decode_reals, decode_length, MARK, read_descriptor, read_text_reals, skip_text_reals
    use, intrinsic :: iso_fortran_env, only: int8, int64
    use kj_t01_bytes, only: read_bytes, seek_bytes, byte_position, is_plain
-   use kj_t01_text, only: read_descriptor, read_text_reals, skip_text_reals
    implicit none
    private
 

@@ -18,10 +18,9 @@ module kj_element_mass
    use kj_full_material, only: material_t, read_materials
    use kj_full_property, only: section_t, defaults_t, read_sections, read_defaults, A_SANDWICH, &
       A_SPRING, A_PULLEY, A_STACK, OTHER_SECTION, A_JOINT
-   use kj_shell_mass, only: shell_area, triangle_area, triangle_shares, shell_inertia
    use kj_solid_mass, only: brick_shares, wedge_shares, tetra_shares, tetra10_shares, &
-      brick20_shares, shell16_shares
-   use kj_beam_mass, only: beam_inertia
+      brick20_shares, shell16_shares, shell_area, triangle_area, triangle_shares, shell_inertia, &
+      beam_inertia
    implicit none
    private
 

@@ -2,12 +2,12 @@
 module kj_solid_mass
    use kj_kinds, only: wp
    use kj_math3, only: cross
-   use kj_shell_mass, only: triangle_shares
+   use kj_full_property, only: section_t
    implicit none
    private
 
    public :: brick_shares, wedge_shares, tetra_shares, tetra10_shares, brick20_shares, &
-      shell16_shares
+      shell16_shares, shell_area, triangle_area, triangle_shares, shell_inertia, beam_inertia
 
    !> Signs of the corners of a brick, in the order of its nodes
    real(wp), parameter :: R(8) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, &
@@ -257,5 +257,73 @@ contains
       share(:8) = volume/32.0_wp
       share(9:) = 3.0_wp*volume/32.0_wp
    end function shell16_shares
+
+   !> Half of the cross product of the diagonals, for warped shells too
+   pure real(wp) function shell_area(x) result(area)
+      real(wp), intent(in) :: x(3, 4)
+
+      area = 0.5_wp*norm2(cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2)))
+   end function shell_area
+
+   !> Half of the cross product of two sides
+   pure real(wp) function triangle_area(x) result(area)
+      real(wp), intent(in) :: x(3, 3)
+
+      area = 0.5_wp*norm2(cross(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1)))
+   end function triangle_area
+
+   !> Share of each node of a triangle: its angle over pi
+   pure function triangle_shares(x) result(share)
+      real(wp), intent(in) :: x(3, 3)
+      real(wp) :: share(3)
+
+      real(wp) :: u(3), v(3)
+      integer :: i
+
+      do i = 1, 3
+         u = x(:, modulo(i, 3) + 1) - x(:, i)
+         v = x(:, modulo(i + 1, 3) + 1) - x(:, i)
+         share(i) = atan2(norm2(cross(u, v)), dot_product(u, v))/acos(-1.0_wp)
+      end do
+   end function triangle_shares
+
+   !> Inertia over mass of a layer: A/f + t^2/12 + z^2
+   pure real(wp) function shell_inertia(area, f, t, z) result(per_mass)
+      real(wp), intent(in) :: area
+      real(wp), intent(in) :: f                  !! 9, of fine shells 12, of triangles 4.5
+      real(wp), intent(in) :: t, z               !! thickness of the layer, place of its middle
+
+      per_mass = area/f + t**2/12.0_wp + z**2
+   end function shell_inertia
+
+   !> Spherical inertia of each end of a beam: that of a slender rod 1.2 times as long, not below
+   !> what its section has about its axis; more for short ones, which shear
+   pure real(wp) function beam_inertia(s, length, density, nu, elastic) result(inertia)
+      type(section_t), intent(in) :: s
+      real(wp), intent(in) :: length, density
+      real(wp), intent(in) :: nu
+      logical, intent(in) :: elastic             !! nu is known; else nothing is said of shear
+
+      real(wp) :: m, b, f, c, p, k, h
+
+      inertia = 0.0_wp
+      b = max(s%iyy, s%izz)
+      if (.not. length > 0.0_wp) return
+      m = 0.5_wp*density*s%area*length
+      inertia = 1.2_wp*m*(1.2_wp*length)**2/12.0_wp + 0.5_wp*density*length*b
+      if (b > 0.0_wp) then
+         f = s%area*length**2/(12.0_wp*b)
+         if (s%integrated .and. 12.0_wp*f > 12.0_wp) inertia = 1.2_wp*m*(1.2_wp*length)**2 + &
+            0.5_wp*density*length*b
+         if (f < 1.0_wp .and. elastic) then
+            c = 1.2_wp*2.0_wp*(1.0_wp + nu)
+            p = c/f*min(s%iyy, s%izz)/b
+            k = (4.0_wp + p)/(1.0_wp + p)
+            h = max(1.0_wp, k/(1.0_wp + f))
+            inertia = h*inertia
+         end if
+      end if
+      inertia = max(inertia, 0.5_wp*density*length*s%ixx)
+   end function beam_inertia
 
 end module kj_solid_mass

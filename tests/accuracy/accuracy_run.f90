@@ -3,7 +3,7 @@ module accuracy_run
    use kjoint, only: wp, error_t, finding_list_t, simulation_t, run_options_t, run_status_t, &
       monitor_t, load_simulation, run_simulation
    use kj_channels, only: find_channel, channels
-   use kj_sink_memory, only: sink_memory_t
+   use kj_sink, only: sink_memory_t
    use accuracy_check, only: say
    implicit none
    private

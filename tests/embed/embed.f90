@@ -3,7 +3,7 @@ module quiet_monitor
    use kjoint, only: monitor_t, run_status_t, simulation_t, run_options_t, finding_list_t, error_t, &
       wp, ERR_INPUT, load_simulation, run_simulation, start_simulation, step_simulation, &
       set_body_load
-   use kj_sink_memory, only: sink_memory_t
+   use kj_sink, only: sink_memory_t
    implicit none
    private
 
@@ -71,7 +71,7 @@ end module quiet_monitor
 program embed
    use kjoint, only: simulation_t, run_options_t, run_status_t, finding_list_t, error_t, wp, &
       load_simulation, run_simulation, simulation_title
-   use kj_sink_memory, only: sink_memory_t
+   use kj_sink, only: sink_memory_t
    use quiet_monitor, only: quiet_t, meddler_t
    implicit none
 
