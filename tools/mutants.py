@@ -106,7 +106,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/api/kj_host_state.f90", "      set%h_last = state(6)\n", "", "unit.test_host_state"),
     ("src/api/kj_host_scheme.f90", "s%h12 = 0.5_wp*(set%h_last + h)", "s%h12 = h", "python_api"),
     ("src/api/kj_study.f90", "-1.0_wp/(STIFFER - 1.0_wp)", "-1.0_wp/STIFFER", "unit.test_study"),
-    ("src/api/kj_study_metric.f90", "if (a >= b .or. .not. a <= huge(1.0_wp)) larger = a", "if (a >= b) larger = a", "unit.test_study"),
+    ("src/api/kj_study_table.f90", "if (a >= b .or. .not. a <= huge(1.0_wp)) larger = a", "if (a >= b) larger = a", "unit.test_study"),
     ("src/api/kj_study_table.f90", "cost = t%time*sqrt(scale)", "cost = t%time*scale", "unit.test_study"),
     # cli
     ("src/cli/kj_run_command.f90", "code = 128 + caught_signal()", "code = caught_signal()", "cli.signals"),

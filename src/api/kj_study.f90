@@ -8,8 +8,8 @@ module kj_study
    use kj_team, only: processors
    use kj_channels, only: OF_JOINT
    use kj_history, only: entity_title
-   use kj_study_metric, only: study_sink_t, class_errors, N_CLASS
-   use kj_study_table, only: study_t, trial_t, FINER, find_orders, foretell
+   use kj_study_table, only: study_t, trial_t, FINER, find_orders, foretell, study_sink_t, &
+      class_errors, N_CLASS
    use kjoint, only: run_options_t, run_status_t, simulation_t, monitor_t, load_simulation, &
       run_simulation, simulation_title, simulation_reach, simulation_joints, simulation_bodies
    implicit none

@@ -5,7 +5,7 @@ submodule (kjoint:kjoint_run) kjoint_step
    use kj_joint_types, only: joint_types
    use kj_channels, only: channels, groups
    use kj_scheme, only: advance_to, node_place, NEVER
-   use kj_host_deck, only: take_model
+   use kj_host_build, only: take_model
    use kj_checkpoint, only: save_scene, restore_scene
    implicit none
 

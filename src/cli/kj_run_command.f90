@@ -19,7 +19,7 @@ module kj_run_command
    use kj_restart_command, only: continued_sink_t, find_restart, restart_from, continued_path
    use kj_text, only: text_t
    use kj_team, only: processors
-   use kj_worst, only: worst_lines, worst_json
+   use kj_info, only: worst_lines, worst_json
    use kj_channels, only: OF_JOINT
    use kj_history, only: entity_title
    use kjoint, only: simulation_worst, simulation_history, history_t, extremes_t, simulation_t, &

@@ -212,7 +212,7 @@ contains
    pure integer function id_shift(deck, submodel, family) result(shift)
       type(deck_t), intent(in) :: deck
       integer, intent(in) :: submodel           !! index, 0 = none
-      integer, intent(in) :: family             !! OF_ constant of kj_reference
+      integer, intent(in) :: family             !! OF_ constant of kj_field
 
       shift = 0
       if (submodel == 0 .or. family == 0) return

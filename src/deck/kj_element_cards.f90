@@ -6,7 +6,7 @@ module kj_element_cards
       KW_GRBEAM, KW_GRTRUS, KW_GRSPRI, KW_NODE
    use kj_deck_text, only: deck_t, id_shift
    use kj_card_walk, only: card_walk_t, next_card
-   use kj_reference, only: OF_ELEMENT, OF_NODE
+   use kj_field, only: OF_ELEMENT, OF_NODE
    use kj_card_cut, only: cut_t, cut_card, read_integer_at
    use kj_number, only: parse_integer, NUMBER_FINE, NUMBER_BLANK
    implicit none

@@ -15,9 +15,8 @@ module kj_element_mass
    use kj_card_cut, only: cut_t, cut_card, read_real_at
    use kj_element_cards, only: element_row, element_cards, read_element, MOST_NODES
    use kj_draft, only: draft_t
-   use kj_full_material, only: material_t, read_materials
    use kj_full_property, only: section_t, defaults_t, read_sections, read_defaults, A_SANDWICH, &
-      A_SPRING, A_PULLEY, A_STACK, OTHER_SECTION, A_JOINT
+      A_SPRING, A_PULLEY, A_STACK, OTHER_SECTION, A_JOINT, material_t, read_materials
    use kj_solid_mass, only: brick_shares, wedge_shares, tetra_shares, tetra10_shares, &
       brick20_shares, shell16_shares, shell_area, triangle_area, triangle_shares, shell_inertia, &
       beam_inertia

@@ -13,17 +13,24 @@ module kj_extract
       KW_FUNCT, KW_MOVE_FUNCT, KW_SENSOR_TIME, KW_TH_NODE, KW_TH_SPRING, KW_TH_RBODY, KW_TH_PART, &
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
       KW_FRAME_NOD
-   use kj_deck_text, only: deck_t, line_text, title_of, report_header, folder_of
+   use kj_deck_text, only: deck_t, line_text, title_of, report_header, folder_of, lengthen, put_text
    use kj_card_text, only: real_field, integer_field
    use kj_card_lists, only: th_t, read_th
    use kj_draft, only: draft_t
    use kj_model, only: model_t
    use kj_keep, only: keep_t, body_of
-   use kj_text_block, only: page_t, put, put_copy
    implicit none
    private
 
-   public :: write_mechanism
+   public :: write_mechanism, page_t, new_page
+
+   !> The text so far
+   type :: page_t
+      character(len=:), allocatable :: text      !! the first n bytes are set
+      integer :: n = 0
+      integer :: n_line = 0
+      integer, allocatable :: origin(:)          !! (>= n_line) line of the full deck, 0 = none
+   end type page_t
 
 contains
 
@@ -496,5 +503,36 @@ contains
          end if
       end do
    end subroutine write_request
+
+   !> An empty page
+   subroutine new_page(page)
+      type(page_t), intent(out) :: page
+
+      page%text = ''
+      allocate (page%origin(1024), source=0)
+   end subroutine new_page
+
+   !> Append a line
+   subroutine put(page, line, origin)
+      type(page_t), intent(inout) :: page
+      character(len=*), intent(in) :: line
+      integer, intent(in), optional :: origin
+
+      call put_text(line//achar(10), page%n, page%text)
+      page%n = page%n + len(line) + 1
+      page%n_line = page%n_line + 1
+      if (page%n_line > size(page%origin)) call lengthen(page%origin)
+      page%origin(page%n_line) = 0
+      if (present(origin)) page%origin(page%n_line) = origin
+   end subroutine put
+
+   !> Append a copy of a line of a deck
+   subroutine put_copy(page, deck, line)
+      type(page_t), intent(inout) :: page
+      type(deck_t), intent(in) :: deck
+      integer, intent(in) :: line                !! index in deck
+
+      call put(page, line_text(deck, line), line)
+   end subroutine put_copy
 
 end module kj_extract

@@ -13,7 +13,7 @@ module kj_keep
    use kj_card_cut, only: cut_t, cut_card
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_deck_flat, only: ids_on_card, id_columns_t
-   use kj_reference, only: OF_SKEW, OF_FRAME, OF_FUNCTION, OF_SENSOR
+   use kj_field, only: OF_SKEW, OF_FRAME, OF_FUNCTION, OF_SENSOR
    use kj_cards, only: cards_t, read_cards, int_of, report, report_row
    use kj_draft, only: draft_t, unsupported
    implicit none

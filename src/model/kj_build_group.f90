@@ -14,7 +14,7 @@ module kj_build_group
    use kj_card_lists, only: ids_t, clauses_t, read_ids, read_clauses, report_id
    use kj_card_fields, only: fields
    use kj_deck_flat, only: ids_on_card, id_columns_t
-   use kj_reference, only: OF_GROUP
+   use kj_field, only: OF_GROUP
    use kj_element_cards, only: element_cards
    use kj_draft, only: draft_t, blocks_of, blocks_with, report_double_blocks, known_ids
    use kj_box, only: box_set_t, build_boxes, is_inside
