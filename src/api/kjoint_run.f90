@@ -34,6 +34,10 @@ contains
       if (allocated(error)) return
       call begin_run(sim, course, status, error)
       call run_on(sim, sink, monitor, course, status, error)
+      if (.not. (allocated(error) .or. sim%scheme%legacy .or. &
+         sim%scheme%integrator == COMPLIANT)) call compliant_steps(sim%model, &
+         sim%extremes%gap%value, sim%extremes%turn%value, sim%scheme%now%time, &
+         status%compliant_steps, status%compliant_error)
       call end_run(sim, sink, monitor, course, status, error)
    end procedure run_simulation
 
@@ -112,10 +116,6 @@ contains
       call tell(sim, status)
       call warn_after(sim%model%model_t, sim%scheme, status%warnings)
       call warn_give(sim%model%model_t, sim%history, sim%extremes, status%warnings)
-      if (.not. (allocated(error) .or. sim%scheme%legacy .or. &
-         sim%scheme%integrator == COMPLIANT)) call compliant_steps(sim%model, &
-         sim%extremes%gap%value, sim%extremes%turn%value, status%time, status%compliant_steps, &
-         status%compliant_error)
       status%wall_solve = status%wall_solve + wall_clock() - course%clock
       course%clock = wall_clock()
       call monitor%tick(status, ignored)

@@ -136,8 +136,9 @@ contains
    !> For a symmetric A >= 0 of order 6, lambda <= (tr A^p)^(1/p) <= 6^(1/p) lambda. A over its
    !> trace, squared seven times, gives p = 256, for all joints of the block at once. LAPACK takes
    !> one matrix a call, which costs more than a cycle.
-   pure subroutine eigenvalues_from_above(n, s, k, lambda)
+   pure subroutine eigenvalues_from_above(n, n_dof, s, k, lambda)
       integer, value :: n
+      integer, intent(in) :: n_dof               !! 6; 3 where k is 0 for rotations
       real(wp), intent(in) :: s(BLOCK, 21)       !! lower triangles by rows
       real(wp), intent(in) :: k(BLOCK, 6)        !! >= 0
       real(wp), intent(out) :: lambda(BLOCK)
@@ -149,18 +150,18 @@ contains
 
       ! over the largest k s: the trace of very stiff joints is no number any more
       scale(:n) = 0.0_wp
-      do l = 1, 6
+      do l = 1, n_dof
          root(:n, l) = sqrt(k(:n, l))
          scale(:n) = max(scale(:n), root(:n, l)*sqrt(max(0.0_wp, s(:n, l*(l + 1)/2))))
       end do
       inverse(:n) = merge(1.0_wp/max(scale(:n), LEAST), 0.0_wp, .not. scale(:n) < LEAST)
       trace(:n) = 0.0_wp
-      do l = 1, 6
+      do l = 1, n_dof
          root(:n, l) = root(:n, l)*inverse(:n)
          trace(:n) = trace(:n) + (root(:n, l)*s(:n, l*(l + 1)/2))*root(:n, l)
       end do
       inverse(:n) = 1.0_wp/max(trace(:n), tiny(1.0_wp))
-      do l = 1, 6
+      do l = 1, n_dof
          do m = 1, l
             at = l*(l - 1)/2 + m
             !$omp simd
@@ -170,10 +171,10 @@ contains
          end do
       end do
       do power = 1, SQUARINGS
-         call square(n, a)
+         call square(n, n_dof, a)
       end do
       lambda(:n) = 0.0_wp
-      do l = 1, 6
+      do l = 1, n_dof
          do m = 1, l
             at = l*(l - 1)/2 + m
             lambda(:n) = lambda(:n) + merge(1.0_wp, 2.0_wp, l == m)*a(:n, at)**2
@@ -186,8 +187,9 @@ contains
    end subroutine eigenvalues_from_above
 
    !> A := A A for symmetric matrices of order 6, lower triangles by rows
-   pure subroutine square(n, a)
+   pure subroutine square(n, n_dof, a)
       integer, value :: n
+      integer, intent(in) :: n_dof               !! 6; 3 where the others are 0
       real(wp), intent(inout) :: a(BLOCK, 21)
 
       !> where the elements stand
@@ -197,7 +199,22 @@ contains
       real(wp) :: b(BLOCK, 21)
       integer :: i, l, m, at, p(6), q(6)
 
-      b(:n, :) = a(:n, :)
+      at = n_dof*(n_dof + 1)/2
+      b(:n, :at) = a(:n, :at)
+      if (n_dof == 3) then
+         do l = 1, 3
+            p = PLACE(:, l)
+            do m = 1, l
+               q = PLACE(:, m)
+               at = PLACE(l, m)
+               !$omp simd
+               do i = 1, n
+                  a(i, at) = b(i, p(1))*b(i, q(1)) + b(i, p(2))*b(i, q(2)) + b(i, p(3))*b(i, q(3))
+               end do
+            end do
+         end do
+         return
+      end if
       do l = 1, 6
          p = PLACE(:, l)
          do m = 1, l

@@ -40,15 +40,12 @@ module kj_consistent_safe_step
       real(wp), allocatable :: q(:, :)           !! (n_element, 6) coordinates then
       real(wp), allocatable :: reach(:)          !! (n_element) slide that asks for a new evaluation
       real(wp), allocatable :: lambda(:)         !! (n_element) eigenvalues
-      !> (27, n_element) of springs: directions and couples, then
-      real(wp), allocatable :: rows(:, :)
+      real(wp), allocatable :: rows(:, :)        !! (27, n_element) of springs: axes, couples
    end type bound_t
 
    integer, parameter :: SWEEPS = 4
-   logical, parameter :: ALL_DOFS(6) = .true.
    real(wp), parameter :: LEAST_SHARE = 1.0e-9_wp
-   !> of |h lambda|: stable to 2.6, but RK4 damps by h^6 before
-   real(wp), parameter :: RK4_RADIUS = 1.0_wp
+   real(wp), parameter :: RK4_RADIUS = 1.0_wp    !! of |h lambda|: stable to 2.6, but damps by h^6
    !> relative turn that asks for a new evaluation [rad]
    real(wp), parameter :: TURN = 0.05_wp
 
@@ -183,6 +180,7 @@ contains
       real(wp), dimension(BLOCK, 6) :: ij1, ij2, k, c_part
       real(wp) :: im(BLOCK, 2), s(BLOCK, 21), part(BLOCK), root(BLOCK), w1, w2, g
       integer :: i, j
+      logical :: on(6)
 
       associate (batch => model%batch(b), joint => state%joint(b))
          call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
@@ -201,10 +199,12 @@ contains
             if (.not. allocated(bound%c)) cycle
             c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
          end do
-         call compliance(n, ALL_DOFS, joint%block(block_of(from))%b, im, ij1, ij2, s)
-         call eigenvalues_from_above(n, s, k, part)
+         on = .true.                                    ! rotations that are free need no rows
+         if (.not. allocated(bound%c)) on(4:) = .not. all(k(:n, 4:) <= 0.0_wp)
+         call compliance(n, on, joint%block(block_of(from))%b, im, ij1, ij2, s)
+         call eigenvalues_from_above(n, count(on), s, k, part)
          if (allocated(bound%c)) then
-            call eigenvalues_from_above(n, s, c_part, root)
+            call eigenvalues_from_above(n, 6, s, c_part, root)
             part(:n) = explicit(part(:n), root(:n))
          end if
          lambda(batch%first + from:batch%first + from + n - 1) = part(:n)
