@@ -1,8 +1,11 @@
 """What goes wrong, said in words."""
 from __future__ import annotations
 
+import argparse
 import difflib
-from typing import Iterable
+import sys
+from collections.abc import Iterable, Sequence
+from typing import NoReturn
 
 
 class Error(RuntimeError):
@@ -31,3 +34,19 @@ def unknown(what: str, name: object, known: Iterable[str]) -> Error:
     if meant:
         return Error(f"no {what} {name!r}, did you mean {meant!r}?")
     return Error(f"no {what} {name!r}: there are " + (", ".join(names[:20]) or "none"))
+
+
+class Parser(argparse.ArgumentParser):
+    """The words of a command; what is wrong with them is one line, rc 2."""
+
+    def error(self, message: str) -> NoReturn:
+        print(f"error: {message}", file=sys.stderr)
+        sys.exit(2)
+
+    def read(self, words: Sequence[str] | None = None) -> argparse.Namespace:
+        """parse_args, which in older Pythons makes an empty list of the value in --NAME=--."""
+        args = self.parse_args(words)
+        for name, value in vars(args).items():
+            if value == [] != self.get_default(name) or isinstance(value, list) and [] in value:
+                self.error(f"argument --{name}: -- is no value")
+        return args

@@ -8,12 +8,12 @@ OpenGL; mp4 by the ffmpeg of imageio-ffmpeg or of the system.
 """
 from __future__ import annotations
 
-import argparse
 import pathlib
 import shutil
 import subprocess
 from typing import Any, Iterator
 
+from ._error import Parser
 from ._scene import Scene
 from ._show import command, fail, need
 
@@ -162,13 +162,13 @@ class Picture:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="kjoint animate")
+    parser = Parser(prog="kjoint animate")
     parser.add_argument("run")
     parser.add_argument("--output", required=True)
     parser.add_argument("--colour", choices=("force", "moment", "gap"), default="force")
     parser.add_argument("--at", type=float)
     parser.add_argument("--seconds", type=float, default=6.0)
-    options = parser.parse_args()
+    options = parser.read()
     if pathlib.Path(options.output).suffix not in (".mp4", ".gif", ".png"):
         fail("a film is .mp4 or .gif, a picture .png: -o FILE.mp4")
     try:

@@ -7,7 +7,6 @@ of a measure, or a history whose curve is to be followed; each counts as its rel
 """
 from __future__ import annotations
 
-import argparse
 import concurrent.futures
 import dataclasses
 import json
@@ -17,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ._error import Error
+from ._error import Error, Parser
 from .model import Model
 from .samples import Path
 from .variants import Array, Measure, default_workers, in_words, parse_varied, read_reference, run_options, settings
@@ -161,7 +160,7 @@ def parse_bounds(spec: str) -> tuple[float, ...]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """The command line, as `kjoint fit` hands it over."""
-    parser = argparse.ArgumentParser(prog="kjoint fit", description="values of parameters that meet targets")
+    parser = Parser(prog="kjoint fit", description="values of parameters that meet targets")
     parser.add_argument("deck")
     parser.add_argument("engine", nargs="?")
     for name in ("--vary", "--measure", "--target", "--run"):
@@ -170,7 +169,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--output")
     parser.add_argument("--quiet", action="store_true")
-    args = parser.parse_args(words)
+    args = parser.read(words)
 
     def told(runs: int, misfit: float) -> None:
         if not args.quiet and sys.stderr.isatty():
@@ -181,11 +180,10 @@ def main(words: Sequence[str] | None = None) -> int:
             raise ValueError("each --measure has its --target")
         if args.starts < 1:
             raise ValueError("--starts is at least 1")
-        options = run_options(args.run)
-        workers = options.pop("threads", None)
+        options, workers = run_options(args.run)
         found = fit(args.deck, {name: parse_bounds(spec) for name, spec in parse_varied(args.vary).items()},
                     list(zip(args.measure, args.target)), engine=args.engine, starts=args.starts, seed=args.seed,
-                    workers=workers and int(workers), told=told, **options)
+                    workers=workers, told=told, **options)
         if args.output:
             with open(args.output, "w", encoding="utf-8") as file:
                 json.dump(dataclasses.asdict(found), file, indent=1)

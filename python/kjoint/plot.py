@@ -4,10 +4,10 @@ usage: python3 -m kjoint.plot --output FILE [--units LIST] RUN.h5 [CHANNEL ...] 
 """
 from __future__ import annotations
 
-import argparse
 import os
 from typing import Any
 
+from ._error import Parser
 from ._show import COLOURS, Units, command, export, fail, need
 
 STANDARD = ["kinetic_energy_* internal_energy external_work", "joint/force.norm", "joint/moment.norm"]
@@ -108,11 +108,11 @@ def is_history(word: str) -> bool:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="kjoint plot")
+    parser = Parser(prog="kjoint plot")
     parser.add_argument("words", nargs="+")
     parser.add_argument("--units")
     parser.add_argument("--output", required=True)
-    options = parser.parse_args()
+    options = parser.read()
     first, *others = options.words
     runs = [first] + [word for word in others if is_history(word)]
     names = [word for word in others if not is_history(word)]

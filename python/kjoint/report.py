@@ -5,7 +5,6 @@ usage: python3 -m kjoint.report --output RUN.html RUN.h5 [REF.h5]
 """
 from __future__ import annotations
 
-import argparse
 import base64
 import gzip
 import html
@@ -15,6 +14,7 @@ import string
 import tempfile
 from typing import Any
 
+from ._error import Parser
 from ._scene import Scene
 from ._show import Units, call, command, fail, need
 
@@ -296,11 +296,11 @@ def number(value: Any) -> Any:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="kjoint report")
+    parser = Parser(prog="kjoint report")
     parser.add_argument("run")
     parser.add_argument("reference", nargs="?")
     parser.add_argument("--output", required=True)
-    options = parser.parse_args()
+    options = parser.read()
     page = Page(options.run, options.reference)
     try:
         page.write(options.output)

@@ -8,7 +8,6 @@ done stays done, whoever dies.
 """
 from __future__ import annotations
 
-import argparse
 import contextlib
 import csv
 import datetime
@@ -27,13 +26,13 @@ import tempfile
 import threading
 import time
 import uuid
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._error import Error
+from ._error import Error, Parser
 from ._library import iso18571, version
 from .model import Model, run_beside
 from .samples import Path
@@ -45,6 +44,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 Row = list[Any]                                   # measures, cycles, what went wrong
+Columns = dict[str, tuple[npt.NDArray[Any], dict[str, str]]]
 Told = Callable[[int, int], None]
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -401,6 +401,50 @@ def try_lock(file: IO[str]) -> bool:
     return True
 
 
+class Table:
+    """A column of one value a variant for each parameter and measure, with its attributes; and what they are of."""
+
+    def __init__(self, n: int, columns: Columns, about: dict[str, str]) -> None:
+        self.n, self.columns, self.about = n, columns, about
+
+    def to_xarray(self) -> xarray.Dataset:
+        import xarray
+        return xarray.Dataset({name: ("variant", *column) for name, column in self.columns.items()},
+                              {"variant": np.arange(1, self.n + 1)}, self.about)
+
+    def write(self, path: Path) -> None:
+        """A CSV, or an HDF5 (netCDF) file and a CSV beside it, by the end of the name."""
+        path = pathlib.Path(path)
+        if path.suffix != ".csv":
+            with replaced(path) as new:
+                self.write_h5(new)
+        with replaced(path.with_suffix(".csv")) as new, open(new, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["variant", *self.columns])
+            columns = (values.tolist() for values, _ in self.columns.values())
+            for row in zip(range(1, self.n + 1), *columns):
+                writer.writerow(["" if value != value else value for value in row])
+
+    def write_h5(self, path: Path) -> None:
+        import h5netcdf
+        import h5py
+        with h5netcdf.File(path, "w") as file:
+            file.attrs.update(self.about)
+            file.dimensions["variant"] = self.n
+            columns: Columns = {"variant": (np.arange(1, self.n + 1), {}), **self.columns}
+            for name, (values, about) in columns.items():
+                kind = h5py.string_dtype() if values.dtype == object else values.dtype
+                file.create_variable(name.replace("/", "|"), ("variant",), kind, data=values).attrs.update(about)
+
+
+@contextlib.contextmanager
+def replaced(path: pathlib.Path) -> Iterator[pathlib.Path]:
+    """A name to write to, that takes the place of a file once it is whole."""
+    new = path.with_name(path.name + ".new")
+    yield new
+    os.replace(new, path)
+
+
 def sweep(deck: Path, vary: Mapping[str, Any] | None = None, measure: Sequence[str] = (), *,
           table: Mapping[str, npt.ArrayLike] | None = None, draws: int | None = None, method: str = "random",
           seed: int = 0, engine: Path | None = None, workers: int | None = None, output: Path | None = None,
@@ -427,13 +471,20 @@ def sweep(deck: Path, vary: Mapping[str, Any] | None = None, measure: Sequence[s
     >>> found["joint/force[hinge].norm:max"].values.round(1)             # N
     array([21.5, 48.9,  nan])
     """
-    import xarray as xr
-    measures = [Measure(text) for text in measure]
     if table is not None:
         names = list(table)
         values = np.column_stack([np.asarray(table[name], float) for name in names])
     else:
         names, values = plan(vary or {}, draws, method, seed)
+    return tabulate(deck, names, values, measure, engine=engine, workers=workers, output=output, keep=keep, resume=resume,
+                    reproducible=reproducible, told=told, **options).to_xarray()
+
+
+def tabulate(deck: Path, names: Sequence[str], values: Array, measure: Sequence[str], *, engine: Path | None = None,
+             workers: int | None = None, output: Path | None = None, keep: Collection[int] = (), resume: bool = False,
+             reproducible: bool = False, told: Told | None = None, **options: Any) -> Table:
+    """sweep() of values (variants, names)."""
+    measures = [Measure(text) for text in measure]
     values = np.array([float(text_of(value)) for value in values.ravel()]).reshape(values.shape)
     if keep and not output:
         raise ValueError("histories are kept beside an output: name it")
@@ -444,23 +495,23 @@ def sweep(deck: Path, vary: Mapping[str, Any] | None = None, measure: Sequence[s
         histories.mkdir(parents=True, exist_ok=True)
 
     def finish() -> None:
-        data: dict[str, tuple[Any, ...]] = {name: ("variant", values[:, i]) for i, name in enumerate(names)}
-        for i, (m, unit) in enumerate(zip(measures, units)):
-            data[m.text] = ("variant", np.array([rows[k][i] for k in range(n)]),
-                            {"channel": m.channel, "function": m.text.rpartition(":")[2], "units": unit})
-        data["cycles"] = ("variant", np.array([rows[k][-2] for k in range(n)]), {"units": "1"})
-        data["status"] = ("variant", np.array([rows[k][-1] for k in range(n)], dtype=object))
+        found: list[Any] = list(zip(*(rows[k] for k in range(n)))) or [()]*(len(measures) + 2)
+        data: Columns = {name: (values[:, i], {}) for i, name in enumerate(names)}
+        for m, unit, column in zip(measures, units, found):
+            data[m.text] = (np.array(column, float), {"channel": m.channel, "function": m.text.rpartition(":")[2], "units": unit})
+        data["cycles"] = (np.array(found[-2], int), {"units": "1"})
+        data["status"] = (np.array(found[-1], object), {})
         about = {"title": "variants of a deck", "deck": str(deck), "kjoint_version": version()}
         if not reproducible:
             about.update(date=datetime.datetime.now().astimezone().isoformat(timespec="seconds"), host=socket.gethostname())
-        made.append(xr.Dataset(data, {"variant": np.arange(1, n + 1)}, about))
+        made.append(Table(n, data, about))
 
     def finish_file() -> None:
         finish()
         if output:
-            write(made[0], output)
+            made[0].write(output)
 
-    made: list[xarray.Dataset] = []
+    made: list[Table] = []
     n = len(values)
     with contextlib.ExitStack() as stack:
         folder = f"{output}.rows" if output else stack.enter_context(tempfile.TemporaryDirectory()) + "/rows"
@@ -509,29 +560,15 @@ def work_in_threads(store: Store, workers: int, told: Told | None, histories: pa
         raise raised[0]
 
 
-def write(table: xarray.Dataset, path: Path) -> None:
-    """A CSV, or an HDF5 (netCDF) file and a CSV beside it, by the end of the name."""
-    path = pathlib.Path(path)
-    if path.suffix != ".csv":
-        new = path.with_name(path.name + ".new")
-        safe = table.rename({name: str(name).replace("/", "|") for name in table.data_vars if "/" in str(name)})
-        safe["status"] = safe["status"].astype(str)
-        safe.to_netcdf(new, engine="h5netcdf")
-        os.replace(new, path)
-        path = path.with_suffix(".csv")
-    new = path.with_name(path.name + ".new")
-    table.to_dataframe().to_csv(new)
-    os.replace(new, path)
-
-
-def read_table(path: Path) -> dict[str, list[float]]:
-    """Columns of a CSV file of parameters."""
+def read_table(path: Path) -> tuple[list[str], Array]:
+    """Names and values (variants, names) of a CSV file of parameters."""
     with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     if not rows:
         raise ValueError(f"{path} has no rows")
+    names = list(rows[0])
     try:
-        return {name: [float(row[name]) for row in rows] for name in rows[0]}
+        return names, np.array([[float(row[name]) for name in names] for row in rows])
     except TypeError:
         raise ValueError(f"{path}: a row has fewer columns than the first line") from None
 
@@ -549,9 +586,13 @@ def parse_numbers(text: str, n: int) -> Collection[int]:
     return chosen
 
 
-def run_options(words: Iterable[str]) -> dict[str, Any]:
-    """Options of a run from NAME=VALUE; a name may have - for _."""
-    return {name.replace("-", "_"): value for name, _, value in (word.partition("=") for word in words)}
+def run_options(words: Iterable[str]) -> tuple[dict[str, Any], int | None]:
+    """Options of a run from NAME=VALUE, where a name may have - for _; but for threads, which are the workers."""
+    options = {name.replace("-", "_"): value for name, _, value in (word.partition("=") for word in words)}
+    workers = options.pop("threads", "0")
+    if not workers.isdecimal():
+        raise ValueError(f"--threads {workers}: a number")
+    return options, int(workers) or None
 
 
 def parse_varied(words: Iterable[str]) -> dict[str, str]:
@@ -579,7 +620,7 @@ def in_words(command: Callable[[], int], stopped: str) -> int:
 
 def main(words: Sequence[str] | None = None) -> int:
     """The command line, as `kjoint sweep` hands it over."""
-    parser = argparse.ArgumentParser(prog="kjoint sweep", description="run variants of a deck")
+    parser = Parser(prog="kjoint sweep", description="run variants of a deck")
     parser.add_argument("deck")
     parser.add_argument("engine", nargs="?")
     parser.add_argument("--vary", action="append", default=[])
@@ -596,7 +637,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--reproducible", action="store_true")
     parser.add_argument("--quiet", action="store_true")
     parser.add_argument("--run", action="append", default=[], metavar="NAME=VALUE", help="options of each run")
-    args = parser.parse_args(words)
+    args = parser.read(words)
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     first = rank()[0] == 0
     began = time.monotonic()
@@ -615,27 +656,25 @@ def main(words: Sequence[str] | None = None) -> int:
             raise ValueError("--sample N with one of --random, --lhs, --sobol, and --vary")
         if args.sample is not None and args.sample < 1:
             raise ValueError("--sample is at least 1")
-        options = run_options(args.run)
-        workers = options.pop("threads", None)
+        options, workers = run_options(args.run)
         if args.every:
             options["sample"] = args.every
         if args.table:
-            table: dict[str, Any] = read_table(args.table)
+            names, values = read_table(args.table)
         else:
             names, values = plan(parse_varied(args.vary), args.sample, methods[0] if methods else "random", args.seed)
-            table = dict(zip(names, values.T))
-        n = len(next(iter(table.values())))
-        result = sweep(args.deck, None, args.measure, table=table, engine=args.engine,
-                       workers=workers and int(workers), output=args.output, resume=args.resume, told=told,
-                       keep=parse_numbers(args.keep, n) if args.keep else (), reproducible=args.reproducible, **options)
-        failed = [text for text in result["status"].values if text]
+        n = len(values)
+        result = tabulate(args.deck, names, values, args.measure, engine=args.engine, workers=workers,
+                          output=args.output, resume=args.resume, told=told, reproducible=args.reproducible,
+                          keep=parse_numbers(args.keep, n) if args.keep else (), **options).columns
+        failed = [text for text in result["status"][0] if text]
         if first and not args.quiet:
             for text in args.measure:
-                y = result[text].values
+                y, about = result[text]
                 fine = y[np.isfinite(y)]
                 if len(fine):
                     print(f"{text:40}  {fine.min():.6g} to {fine.max():.6g}, mean {fine.mean():.6g}, "
-                          f"deviation {fine.std():.3g}  {result[text].attrs['units']}")
+                          f"deviation {fine.std():.3g}  {about['units']}")
             print(f"{n} variants, {len(failed)} failed, {time.monotonic() - began:.1f} s: {args.output}")
         if first and failed:
             print(f"warning: {len(failed)} of {n} variants failed, such as: {failed[0]}", file=sys.stderr)

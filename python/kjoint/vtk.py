@@ -7,10 +7,10 @@ Point data: id (of joint or body), is_joint, force, moment and gap of the joints
 """
 from __future__ import annotations
 
-import argparse
 import pathlib
 from typing import Any
 
+from ._error import Parser
 from ._scene import Scene
 from ._show import command, fail, need
 
@@ -109,11 +109,11 @@ def write_pvd(scene: Any, path: Any) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="kjoint export")
+    parser = Parser(prog="kjoint export")
     parser.add_argument("run")
     parser.add_argument("--to", choices=("vtkhdf", "pvd"), required=True)
     parser.add_argument("--output", required=True)
-    options = parser.parse_args()
+    options = parser.read()
     scene = Scene(options.run, "export")
     try:
         (write_vtkhdf if options.to == "vtkhdf" else write_pvd)(scene, options.output)

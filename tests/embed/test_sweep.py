@@ -239,6 +239,12 @@ class Sweeps(Folder):
             with contextlib.redirect_stderr(io.StringIO()) as wrong:
                 self.assertEqual(2, main([str(self.deck), *words, "--output", str(self.folder / "no.csv")]))
             self.assertIn(reason, wrong.getvalue())
+        # argparse of Python 3.11 makes an empty list of --NAME=--
+        for word in ("--measure=--", "--vary=--", "--sample=--", "--run=threads=--", "--seed=x"):
+            done = subprocess.run([sys.executable, "-m", "kjoint.variants", self.deck, "--vary", "spring=1", "--measure", TURN, word,
+                                   "--output", self.folder / "no.csv"], capture_output=True, text=True)
+            self.assertEqual((2, 1), (done.returncode, len(done.stderr.splitlines())), done.stderr)
+            self.assertRegex(done.stderr, "^error: ")
 
 
 class Killed(Folder):
