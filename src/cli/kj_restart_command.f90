@@ -9,7 +9,7 @@ module kj_restart_command
    use kj_history, only: history_t
    use kj_output, only: find_part
    use kj_sink_h5, only: sink_h5_t
-   use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
+   use kj_reader, only: history_reader_t, open_history_file, next_row, close_history_file
    use kj_restart_file, only: restart_t, read_restart
    use kj_keeper, only: checkpoint_path
    use kjoint, only: run_options_t, read_run_options, simulation_t, restore_simulation
@@ -25,8 +25,6 @@ module kj_restart_command
    contains
       procedure :: open => open_continued
    end type continued_sink_t
-
-   integer, parameter :: BLOCK = 2**18           !! reals in memory at a time, about
 
 contains
 
@@ -205,17 +203,14 @@ contains
       class(continued_sink_t), intent(inout) :: sink
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp), allocatable :: rows(:, :)
-      integer :: at_once, first, i, n
+      real(wp), allocatable :: row(:)
+      integer :: i
+      logical :: more
 
-      at_once = max(1, min(n_row, BLOCK/n_value))
-      allocate (rows(n_value, at_once))
-      do first = 1, n_row, at_once
-         n = min(at_once, n_row - first + 1)
-         call read_rows(reader, first, n, rows, error)
-         do i = 1, n
-            if (.not. allocated(error)) call sink%put(rows(:, i), error)
-         end do
+      allocate (row(n_value))
+      do i = 1, n_row
+         call next_row(reader, row, more, error)
+         if (more) call sink%put(row, error)
          if (allocated(error)) return
       end do
    end subroutine copy_rows

@@ -167,8 +167,8 @@ contains
          first = min(first, t)
          if (.not. in_window(walk, t)) cycle
          n = n + 1
-         call add_peaks(walk%ref%rows(:, walk%ref%at), result%channel)
-         energy = max(energy, scene_energy(walk%ref%rows(:, walk%ref%at), result%channel))
+         call add_peaks(walk%ref%row, result%channel)
+         energy = max(energy, scene_energy(walk%ref%row, result%channel))
       end do
       if (n == 0 .and. walk%ref%n_row == 0) then
          call fail(error, ERR_FILE, result%ref_path//' holds no sample')

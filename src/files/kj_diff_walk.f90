@@ -5,14 +5,13 @@ module kj_diff_walk
    use kj_units, only: factor_of
    use kj_history, only: history_t, place_of
    use kj_channels, only: channels, CH_FINAL, AS_F64
-   use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
+   use kj_reader, only: history_reader_t, open_history_file, next_row, rewind_rows, &
+      close_history_file
    implicit none
    private
 
    public :: cursor_t, walk_t, open_cursor, convert_units, rewind_cursor, advance, time_of, &
       is_final, close_cursor, start_walk, next_pair, in_window
-
-   integer, parameter :: BLOCK = 2**18       !! reals in memory at a time and side, about
 
    !> A history and one of its rows
    type :: cursor_t
@@ -20,9 +19,7 @@ module kj_diff_walk
       type(history_t) :: history
       integer :: n_row = 0
       logical :: more = .false.                 !! there is a row
-      integer :: at = 0                         !! it is rows(:, at)
-      real(wp), allocatable :: rows(:, :)       !! (n_value, rows of a block)
-      integer, private :: first = 0, n = 0      !! first row of the block, rows in it
+      real(wp), allocatable :: row(:)           !! (n_value) this one
       integer, private :: final_at = 0          !! place of the channel `final`, 0 = none
       real(wp), allocatable, private :: factor(:)   !! (n_value) to the units of the other side
    end type cursor_t
@@ -58,9 +55,7 @@ contains
       call open_history_file(path, cursor%reader, cursor%history, cursor%n_row, error)
       if (allocated(error)) return
       cursor%final_at = place_of(cursor%history, CH_FINAL)
-      associate (n_value => cursor%history%n_value)
-         allocate (cursor%rows(n_value, max(1, min(cursor%n_row, BLOCK/n_value))))
-      end associate
+      allocate (cursor%row(cursor%history%n_value))
    end subroutine open_cursor
 
    !> From now on give values in the units of another history, if both files say theirs
@@ -86,9 +81,7 @@ contains
    subroutine rewind_cursor(cursor)
       type(cursor_t), intent(inout) :: cursor
 
-      cursor%first = 1
-      cursor%n = 0
-      cursor%at = 0
+      call rewind_rows(cursor%reader)
       cursor%more = .false.
    end subroutine rewind_cursor
 
@@ -97,31 +90,15 @@ contains
       type(cursor_t), intent(inout) :: cursor
       type(error_t), allocatable, intent(out) :: error
 
-      integer :: i
-
-      cursor%more = .true.
-      cursor%at = cursor%at + 1
-      if (cursor%at <= cursor%n) return
-      cursor%first = cursor%first + cursor%n
-      cursor%n = min(size(cursor%rows, 2), cursor%n_row - cursor%first + 1)
-      cursor%at = 1
-      cursor%more = cursor%n > 0
-      if (.not. cursor%more) return
-      call read_rows(cursor%reader, cursor%first, cursor%n, cursor%rows, error)
-      if (allocated(error)) then
-         cursor%more = .false.
-      else if (allocated(cursor%factor)) then
-         do i = 1, cursor%n
-            cursor%rows(:, i) = cursor%factor*cursor%rows(:, i)
-         end do
-      end if
+      call next_row(cursor%reader, cursor%row, cursor%more, error)
+      if (cursor%more .and. allocated(cursor%factor)) cursor%row = cursor%factor*cursor%row
    end subroutine advance
 
    !> Time of the present row: time is the first variable
    pure real(wp) function time_of(cursor) result(t)
       type(cursor_t), intent(in) :: cursor
 
-      t = cursor%rows(cursor%history%variable(1)%first, cursor%at)
+      t = cursor%row(cursor%history%variable(1)%first)
    end function time_of
 
    !> Is the present row the state of the end, off the sample times
@@ -129,7 +106,7 @@ contains
       type(cursor_t), intent(in) :: cursor
 
       is_final = cursor%final_at > 0
-      if (is_final) is_final = cursor%rows(cursor%final_at, cursor%at) > 0.5_wp
+      if (is_final) is_final = cursor%row(cursor%final_at) > 0.5_wp
    end function is_final
 
    !> Close; nothing happens when it is not open
@@ -200,8 +177,8 @@ contains
          end if
          if (found) then
             walk%t = time_of(walk%ref)
-            walk%x = walk%ref%rows(:, walk%ref%at)
-            walk%y = walk%run%rows(:, walk%run%at)
+            walk%x = walk%ref%row
+            walk%y = walk%run%row
             call step_ref(walk, error)
             if (.not. allocated(error)) call step_run(walk, error)
             return
@@ -232,12 +209,12 @@ contains
             if (allocated(error)) return
          end do
          if (walk%run%more) then
-            walk%y = walk%run%rows(:, walk%run%at)
+            walk%y = walk%run%row
             found = walk%has_before .or. abs(time_of(walk%run) - walk%t) <= walk%tolerance
             if (walk%has_before .and. abs(time_of(walk%run) - walk%t) > walk%tolerance) &
                call interpolate(walk%run%history, walk%before, walk%t, walk%y)
          end if
-         if (found) walk%x = walk%ref%rows(:, walk%ref%at)
+         if (found) walk%x = walk%ref%row
          if (.not. found) call note_alone(walk, walk%ref, walk%n_ref_alone)
          call step_ref(walk, error)
          if (allocated(error)) return
@@ -327,7 +304,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       walk%has_before = walk%run%more .and. walk%interpolate
-      if (walk%has_before) walk%before = walk%run%rows(:, walk%run%at)
+      if (walk%has_before) walk%before = walk%run%row
       if (walk%interpolate) then
          call advance(walk%run, error)
       else

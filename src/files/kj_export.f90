@@ -7,7 +7,7 @@ module kj_export
    use kj_channels, only: channels, AS_F64, OF_RUN
    use kj_history, only: history_t
    use kj_series, only: series_t, find_series, series_value, series_unit, channel_path, NORM
-   use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
+   use kj_reader, only: history_reader_t, open_history_file, next_row, close_history_file
    use kj_words, only: buffer_t, add
    use kj_json_writer, only: json_member, json_pair, json_real, json_list, comma
    implicit none
@@ -15,7 +15,6 @@ module kj_export
 
    public :: export_csv, export_json
 
-   integer, parameter :: BLOCK = 2**18           !! reals of a history in memory at a time
    character(len=3), parameter :: BYTE_ORDER_MARK = char(239)//char(187)//char(191)
    character, parameter :: NL = new_line('a')
 
@@ -100,24 +99,21 @@ contains
 
       type(error_t), allocatable :: closing
       type(history_reader_t) :: reader
-      real(wp), allocatable :: rows(:, :)
-      integer :: n_row, first, n, i, k
+      real(wp), allocatable :: row(:)
+      integer :: n_row, i, k
+      logical :: more
 
       call open_history_file(path, reader, history, n_row, error)
       if (allocated(error)) return
       call find_series(history, names, series, error)
       if (.not. allocated(error)) then
-         allocate (time(n_row), values(n_row, size(series)))
-         allocate (rows(history%n_value, max(1, min(n_row, BLOCK/history%n_value))))
-         do first = 1, n_row, size(rows, 2)
-            n = min(size(rows, 2), n_row - first + 1)
-            call read_rows(reader, first, n, rows, error)
-            if (allocated(error)) exit
-            do i = 1, n
-               time(first + i - 1) = rows(history%variable(1)%first, i)
-               do k = 1, size(series)
-                  values(first + i - 1, k) = series_value(history, series(k), rows(:, i))
-               end do
+         allocate (time(n_row), values(n_row, size(series)), row(history%n_value))
+         do i = 1, n_row
+            call next_row(reader, row, more, error)
+            if (.not. more) exit
+            time(i) = row(history%variable(1)%first)
+            do k = 1, size(series)
+               values(i, k) = series_value(history, series(k), row)
             end do
          end do
       end if

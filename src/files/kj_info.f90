@@ -12,7 +12,7 @@ module kj_info
    use kj_history, only: history_t, variable_t, n_entity, entity_title, place_of
    use kj_output, only: find_part, is_written
    use kj_text, only: text_t, append_text
-   use kj_reader, only: history_reader_t, open_history_file, read_rows, read_facts, &
+   use kj_reader, only: history_reader_t, open_history_file, next_row, read_facts, &
       close_history_file
    use kj_series, only: channel_path
    use kj_extremes, only: extremes_t, watch_row, extreme_t
@@ -27,7 +27,6 @@ module kj_info
    real(wp), parameter :: LITTLE = 1.0e-3_wp     !! blocked turns below are not worth a line
    real(wp), parameter :: SOFT = 0.1_wp          !! Kn gap over force: below, Kn did not act
 
-   integer, parameter :: BLOCK_BYTES = 4*1024*1024     !! of rows read at a time
    integer, parameter :: NAME_WIDTH = 34, SHAPE_WIDTH = 18, UNIT_WIDTH = 14, NUMBER_WIDTH = 16
 
    !> What one pass over the rows finds
@@ -62,7 +61,7 @@ contains
       text = ''
       call open_history_file(path, reader, history, n_row, error)
       if (allocated(error)) return
-      call survey_rows(reader, history, n_row, survey, error)
+      call survey_rows(reader, history, survey, error)
       if (.not. allocated(error)) call read_facts(reader, names, values, error)
       call close_history_file(reader, closing)
       if (allocated(error)) return
@@ -148,36 +147,28 @@ contains
       json = json//'], '//json_member('values_not_finite', survey%n_bad)//'}'//new_line('a')
    end function info_json
 
-   !> Go once over all rows, a block at a time
-   subroutine survey_rows(reader, history, n_row, survey, error)
+   !> Go once over all rows
+   subroutine survey_rows(reader, history, survey, error)
       type(history_reader_t), intent(inout) :: reader
       type(history_t), intent(in) :: history
-      integer, intent(in) :: n_row
       type(survey_t), intent(out) :: survey
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp), allocatable :: rows(:, :)
-      integer :: first, n, row, most
+      real(wp), allocatable :: row(:)
+      logical :: more
 
-      survey%n_row = n_row
-      allocate (survey%first(history%n_value), survey%last(history%n_value))
-      allocate (survey%peak(size(history%variable)), survey%peak_time(size(history%variable)))
-      survey%first = 0.0_wp
-      survey%last = 0.0_wp
-      survey%peak = 0.0_wp
-      survey%peak_time = 0.0_wp
-      most = max(1, BLOCK_BYTES/(8*max(1, history%n_value)))
-      allocate (rows(history%n_value, min(most, max(1, n_row))))
-      do first = 1, n_row, most
-         n = min(most, n_row - first + 1)
-         call read_rows(reader, first, n, rows, error)
-         if (allocated(error)) return
-         if (first == 1) survey%first = rows(:, 1)
-         do row = 1, n
-            call survey_row(history, rows(:, row), survey)
-            call watch_row(history, rows(:, row), survey%extremes)
-         end do
-         survey%last = rows(:, n)
+      allocate (row(history%n_value))
+      allocate (survey%first(history%n_value), survey%last(history%n_value), &
+         survey%peak(size(history%variable)), survey%peak_time(size(history%variable)), &
+         source=0.0_wp)
+      do
+         call next_row(reader, row, more, error)
+         if (.not. more) return
+         if (survey%n_row == 0) survey%first = row
+         survey%n_row = survey%n_row + 1
+         call survey_row(history, row, survey)
+         call watch_row(history, row, survey%extremes)
+         survey%last = row
       end do
    end subroutine survey_rows
 

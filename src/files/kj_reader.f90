@@ -15,8 +15,8 @@ module kj_reader
    implicit none
    private
 
-   public :: history_reader_t, open_history_file, read_rows, read_facts, close_history_file, &
-      convert_t01
+   public :: history_reader_t, open_history_file, read_rows, next_row, rewind_rows, read_facts, &
+      close_history_file, convert_t01
 
    integer, parameter :: CLOSED = 0, KIND_T01 = 1, KIND_H5 = 2
 
@@ -25,6 +25,8 @@ module kj_reader
       integer, private :: kind = CLOSED
       type(t01_reader_t), private :: t01
       type(h5_reader_t), private :: h5
+      integer, private :: n_row = 0, passed = 0          !! rows; those that next_row has given
+      real(wp), allocatable, private :: rows(:, :)       !! a block of them
       logical :: is_t01 = .false.
       logical :: has_units = .false.             !! history%units are those of the file
       logical, allocatable :: given(:)           !! (n_value) the file holds this series
@@ -79,6 +81,7 @@ contains
          call move_alloc(reader%t01%unknown, reader%unknown)
          if (allocated(reader%t01%note)) reader%note = reader%t01%note
       end if
+      reader%n_row = n_row
    end subroutine open_history_file
 
    !> Where a history is that has not got its name, in the error that it is not there
@@ -139,6 +142,34 @@ contains
       if (reader%kind == KIND_H5) call read_h5_rows(reader%h5, first, n, rows, error)
    end subroutine read_rows
 
+   !> The next row, from the first on; none behind the last. Errors: ERR_FILE, as if none were left
+   subroutine next_row(reader, row, more, error)
+      type(history_reader_t), intent(inout) :: reader
+      real(wp), intent(inout) :: row(:)          !! (history%n_value)
+      logical, intent(out) :: more               !! there is one
+      type(error_t), allocatable, intent(out) :: error
+
+      integer :: k
+
+      if (.not. allocated(reader%rows)) &
+         allocate (reader%rows(size(row), max(1, min(reader%n_row, BLOCK/size(row)))))
+      more = reader%passed < reader%n_row
+      if (.not. more) return
+      k = modulo(reader%passed, size(reader%rows, 2)) + 1
+      if (k == 1) call read_rows(reader, reader%passed + 1, min(size(reader%rows, 2), &
+         reader%n_row - reader%passed), reader%rows, error)
+      more = .not. allocated(error)
+      if (more) row = reader%rows(:, k)
+      reader%passed = reader%passed + 1
+   end subroutine next_row
+
+   !> Go before the first row
+   subroutine rewind_rows(reader)
+      type(history_reader_t), intent(inout) :: reader
+
+      reader%passed = 0
+   end subroutine rewind_rows
+
    !> What the file says of its run: names and values of /run; of a T01 who made it. Errors:
    !> ERR_FILE
    subroutine read_facts(reader, names, values, error)
@@ -175,31 +206,27 @@ contains
       class(sink_t), intent(inout) :: sink
       type(error_t), allocatable, intent(out) :: error
 
-      type(t01_reader_t) :: reader
+      type(history_reader_t) :: reader
       type(history_t) :: history
       type(error_t), allocatable :: closing
-      real(wp), allocatable :: rows(:, :)
-      integer :: n_row, first, n, i
+      real(wp), allocatable :: row(:)
+      logical :: more
 
-      call open_t01(t01_path, reader, history, n_row, error)
+      call open_t01(t01_path, reader%t01, history, reader%n_row, error)
       if (allocated(error)) return
+      reader%kind = KIND_T01
       call sink%open(history, error)
       if (allocated(error)) then
-         call close_t01(reader)
+         call close_t01(reader%t01)
          return
       end if
-      allocate (rows(history%n_value, max(1, min(n_row, BLOCK/history%n_value))))
-      first = 1
-      do while (first <= n_row .and. .not. allocated(error))
-         n = min(size(rows, 2), n_row - first + 1)
-         call read_t01_rows(reader, first, n, rows, error)
-         do i = 1, n
-            if (allocated(error)) exit
-            call sink%put(rows(:, i), error)
-         end do
-         first = first + n
+      allocate (row(history%n_value))
+      do
+         call next_row(reader, row, more, error)
+         if (more) call sink%put(row, error)
+         if (allocated(error) .or. .not. more) exit
       end do
-      call close_t01(reader)
+      call close_t01(reader%t01)
       if (allocated(error)) then
          call sink%close('ERROR '//error%message, 0, error%code, closing)
       else

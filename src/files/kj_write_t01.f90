@@ -15,7 +15,8 @@ module kj_write_t01
       OF_NODE, OF_SPRING, CH_FINAL, CH_IE
    use kj_history, only: history_t, n_entity, place_of
    use kj_output, only: settle_output, begin_output, append_output, end_output, write_output
-   use kj_reader, only: history_reader_t, open_history_file, read_rows, close_history_file
+   use kj_reader, only: history_reader_t, open_history_file, next_row, rewind_rows, &
+      close_history_file
    use kj_t01, only: t01_name
    use kj_text, only: text_t
    implicit none
@@ -30,7 +31,8 @@ module kj_write_t01
    integer, parameter :: SPRING_TYPE = 6
    integer, parameter :: NONE(0) = 0
    character(kind=c_char), parameter :: BYTE(1) = 'a'        !! what transfer makes
-   integer, parameter :: BLOCK = 2**18           !! reals of a history in memory at a time
+
+   integer(c_size_t), parameter :: MOST_BYTES = 2**20        !! that are not in the file yet
 
    !> Where a column comes from when it is no place in a row
    integer, parameter :: IS_ZERO = 0, IS_ONE = -1, IS_MASS = -2
@@ -68,16 +70,16 @@ contains
       type(history_t) :: history
       type(request_t), allocatable :: request(:)
       type(writer_t) :: file
-      real(wp), allocatable :: rows(:, :)
-      integer :: global(N_GLOBAL), n_row, first, n, i, final_at
+      real(wp), allocatable :: row(:)
+      integer :: global(N_GLOBAL), n_row, final_at
+      logical :: more
 
       call open_history_file(history_path, reader, history, n_row, error)
       if (allocated(error)) return
-      allocate (rows(history%n_value, max(1, min(n_row, BLOCK/history%n_value))))
-      rows = 0.0_wp
-      if (n_row > 0) call read_rows(reader, 1, 1, rows, error)
+      allocate (row(history%n_value), source=0.0_wp)
+      call next_row(reader, row, more, error)
       if (.not. allocated(error)) then
-         call find_columns(history, rows(:, 1), global, request)
+         call find_columns(history, row, global, request)
          call settle_output(path//'_TITLES', [text_t(history_path)], file%place, error)
          call begin_output(path, [text_t(history_path)], file%place, file%part, error)
       end if
@@ -88,16 +90,16 @@ contains
          allocate (file%bytes(4096))
          call put_header(file, history, request)
          final_at = place_of(history, CH_FINAL)
-         do first = 1, n_row, size(rows, 2)
-            n = min(size(rows, 2), n_row - first + 1)
-            call read_rows(reader, first, n, rows, error)
-            if (allocated(error)) exit
-            do i = 1, n
-               if (any(rows(max(1, final_at):final_at, i) > 0.5_wp)) cycle
-               call put_row(file, history, global, request, rows(:, i))
-            end do
+         call rewind_rows(reader)
+         do
+            call next_row(reader, row, more, error)
+            if (.not. more) exit
+            if (any(row(max(1, final_at):final_at) > 0.5_wp)) cycle
+            call put_row(file, history, global, request, row)
+            if (file%n < MOST_BYTES) cycle
             call append_output(file%part, file%n, file%bytes, error)
-            file%n = 0                           ! of the head, too
+            file%n = 0
+            if (allocated(error)) exit
          end do
          call append_output(file%part, file%n, file%bytes, error)
          call end_output(file%part, file%place, error)

@@ -9,7 +9,6 @@ module kj_acts
    use kj_deck_text, only: report_header, first_card, kind_word
    use kj_cards, only: report_row
    use kj_draft, only: draft_t
-   use kj_box, only: box_set_t, build_boxes
    use kj_node_list, only: node_list_t, add_nodes
    use kj_faces, only: faces_t
    use kj_select, only: filter_t, surface_of, line_nodes, parts_of, walk_elements, &
@@ -101,19 +100,17 @@ contains
       type(keep_t), intent(in) :: keep
       type(act_t), allocatable, intent(out) :: acts(:)
 
-      type(box_set_t) :: boxes
       logical :: touched(0:size(draft%body_block)), all_touched(0:size(draft%body_block))
       integer :: row, block, n, first
 
       allocate (acts(0))
-      call build_boxes(draft, boxes)
       do row = 1, size(actors)
          n = 0
          first = 0
          all_touched = .false.
          do block = 1, draft%deck%n_block
             if (.not. is_actor(draft, block, row)) cycle
-            call touch(draft, keep, boxes, block, row, touched)
+            call touch(draft, keep, block, row, touched)
             if (.not. any(touched)) cycle
             n = n + 1
             if (first == 0) first = block
@@ -195,10 +192,9 @@ contains
    end function is_actor
 
    !> Bodies with a node that a block names; 0: a kept node of none
-   subroutine touch(draft, keep, boxes, block, row, touched)
+   subroutine touch(draft, keep, block, row, touched)
       type(draft_t), intent(inout) :: draft
       type(keep_t), intent(in) :: keep
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: block, row
       logical, intent(out) :: touched(0:)
 
@@ -216,7 +212,7 @@ contains
             else
                call card_integer(draft%deck, block, card, actors(row)%column(k), id, fine=fine)
             end if
-            if (id > 0) call named_nodes(draft, boxes, actors(row)%names(k), id, list)
+            if (id > 0) call named_nodes(draft, actors(row)%names(k), id, list)
          end do
       end do
       do i = 1, list%n
@@ -229,9 +225,8 @@ contains
    end subroutine touch
 
    !> Nodes behind an id
-   subroutine named_nodes(draft, boxes, what, id, list)
+   subroutine named_nodes(draft, what, id, list)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: what, id            !! A_GROUP, ...
       type(node_list_t), intent(inout) :: list
 
@@ -245,19 +240,19 @@ contains
          call fill_one_group(draft, id, node)
          call add_nodes(node, list)
       case (A_SURFACE)
-         call surface_of(draft, boxes, id, OUTERMOST, faces)
+         call surface_of(draft, id, OUTERMOST, faces)
          do i = 1, faces%n
             call add_nodes(faces%node(:, i), list)
          end do
       case (A_LINE)
-         call line_nodes(draft, boxes, id, list)
+         call line_nodes(draft, id, list)
       case (A_NODE)
          call add_nodes([find(draft%node, id)], list)
       case (A_PART)
          filter%kind = all_kinds()
          allocate (filter%part(size(draft%part_block)), source=.false.)
          call parts_of(draft, 'PART', id, filter%part)
-         call walk_elements(draft, boxes, filter, list=list)
+         call walk_elements(draft, filter, list=list)
       end select
    end subroutine named_nodes
 

@@ -29,7 +29,6 @@ module kj_mechanism
    use kj_build_axes, only: build_skews, build_frames, move_nodes
    use kj_build_group, only: build_groups
    use kj_build_body, only: build_bodies
-   use kj_box, only: box_set_t, build_boxes
    use kj_faces, only: faces_t
    use kj_select, only: surface_of, parts_of, OUTERMOST
    implicit none
@@ -275,13 +274,11 @@ contains
       type(draft_t), intent(inout) :: draft
       type(cards_t), intent(in) :: cards
 
-      type(box_set_t) :: boxes
       type(faces_t) :: faces
       real(wp) :: x(3, 4), mass
       integer :: i, k, n
 
-      call build_boxes(draft, boxes)
-      call surface_of(draft, boxes, int_of(cards, 'surf_id'), OUTERMOST, faces)
+      call surface_of(draft, int_of(cards, 'surf_id'), OUTERMOST, faces)
       if (faces%n == 0) call report(draft%deck, cards, 'surf_id', SEV_WARNING, 'KJ-9408', &
          'surface '//str(int_of(cards, 'surf_id'))//' has no face', 'adds no mass')
       do i = 1, faces%n

@@ -2,33 +2,22 @@
 module kj_box
    use kj_kinds, only: wp
    use kj_error, only: SEV_WARNING
-   use kj_sort, only: lookup_t
    use kj_math3, only: cross
    use kj_keywords, only: KW_BOX_RECTA, KW_BOX_SPHER, KW_BOX_CYLIN
    use kj_cards, only: cards_t, read_cards, real_of, int_of, report
-   use kj_draft, only: draft_t, moved_point, find_blocks, reference, node_of
+   use kj_draft, only: draft_t, box_set_t, moved_point, find_blocks, reference, node_of
    implicit none
    private
 
-   public :: box_set_t, build_boxes, is_inside
-
-   !> All boxes of a deck
-   type :: box_set_t
-      type(lookup_t) :: id
-      integer, allocatable :: keyword(:)         !! (n) KW_ constant: its form
-      integer, allocatable :: skew(:)            !! (n) skew index, 0 = global
-      !> (3, n) RECTA: corners, components in the skew; SPHER: centre; CYLIN: ends of the axis; W
-      real(wp), allocatable :: lo(:, :), hi(:, :)
-      real(wp), allocatable :: radius(:)         !! (n) of round ones
-   end type box_set_t
+   public :: build_boxes, is_inside
 
 contains
 
    !> RECTA by two corners, with edges along a skew; SPHER and CYLIN by points and a diameter
-   subroutine build_boxes(draft, boxes)
+   subroutine build_boxes(draft)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(out) :: boxes
 
+      type(box_set_t) :: boxes
       type(cards_t) :: cards
       integer, allocatable :: blocks(:)
       real(wp) :: corner(3, 2), a(3, 3)
@@ -62,6 +51,7 @@ contains
          boxes%lo(:, i) = min(corner(:, 1), corner(:, 2))
          boxes%hi(:, i) = max(corner(:, 1), corner(:, 2))
       end do
+      draft%boxes = boxes
    end subroutine build_boxes
 
    !> A corner: the place of node n1 (n2), or else the point that is typed
@@ -83,15 +73,15 @@ contains
    end subroutine read_corner
 
    !> A point is in a box or on its faces
-   pure logical function is_inside(draft, boxes, box, x) result(inside)
+   pure logical function is_inside(draft, box, x) result(inside)
       type(draft_t), intent(in) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: box
       real(wp), intent(in) :: x(3)               !! W
 
       real(wp) :: p(3), axis(3), along
 
-      associate (lo => boxes%lo(:, box), hi => boxes%hi(:, box))
+      associate (boxes => draft%boxes, lo => draft%boxes%lo(:, box), &
+         hi => draft%boxes%hi(:, box))
          select case (boxes%keyword(box))
          case (KW_BOX_SPHER)
             inside = norm2(x - lo) <= boxes%radius(box)

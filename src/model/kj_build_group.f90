@@ -16,8 +16,9 @@ module kj_build_group
    use kj_deck_flat, only: ids_on_card, id_columns_t
    use kj_field, only: OF_GROUP
    use kj_element_cards, only: element_cards
-   use kj_draft, only: draft_t, blocks_of, blocks_with, report_double_blocks, known_ids
-   use kj_box, only: box_set_t, build_boxes, is_inside
+   use kj_draft, only: draft_t, blocks_of, blocks_with, report_double_blocks, known_ids, WAITING, &
+      UNDER_WAY, DONE
+   use kj_box, only: build_boxes, is_inside
    use kj_node_list, only: node_list_t, add_node, add_nodes, add_range, remove_nodes, keep_nodes, &
       finish_list
    use kj_faces, only: faces_t
@@ -28,15 +29,6 @@ module kj_build_group
 
    public :: build_groups, fill_one_group
 
-   integer, parameter :: WAITING = 0, UNDER_WAY = 1, DONE = 2   !! state of a group
-
-   !> What groups are made of
-   type :: workshop_t
-      integer, allocatable :: state(:)           !! of each group
-      logical, allocatable :: spoilt(:)          !! something was wrong with it, or with one in it
-      type(box_set_t) :: boxes
-   end type workshop_t
-
 contains
 
    !> All groups of the deck; where a /GRNOD and a /SET share an id, the /GRNOD is meant.
@@ -45,7 +37,6 @@ contains
    subroutine build_groups(draft)
       type(draft_t), intent(inout) :: draft
 
-      type(workshop_t) :: shop
       integer, allocatable :: groups(:), sets(:)
       logical, allocatable :: named(:)
       integer :: i
@@ -57,18 +48,16 @@ contains
       call report_double_blocks(draft%deck, sets, 'set')
       groups = [groups, sets, blocks_of(draft%deck, KW_SET_COLLECT)]
       call new_lookup(draft%deck%block(groups)%id, draft%group)
-      call build_boxes(draft, shop%boxes)
+      call build_boxes(draft)
       if (allocated(draft%groups)) deallocate (draft%groups)
-      allocate (draft%groups(size(groups)), shop%state(size(groups)))
-      allocate (shop%spoilt(size(groups)), source=.false.)
-      shop%state = WAITING
+      allocate (draft%groups(size(groups)))
       draft%groups%block = groups
       do i = 1, size(groups)
          allocate (draft%groups(i)%node(0))
       end do
       call find_named(draft, named)
       do i = 1, size(groups)
-         if (named(i)) call fill_group(draft, shop, i)
+         if (named(i)) call fill_group(draft, i)
       end do
    end subroutine build_groups
 
@@ -78,19 +67,13 @@ contains
       integer, intent(in) :: id
       integer, allocatable, intent(out) :: node(:)
 
-      type(workshop_t) :: shop
-      integer :: i, place
+      integer :: place
 
       allocate (node(0))
       place = find(draft%group, id)
       if (place == 0) return
-      call build_boxes(draft, shop%boxes)
-      allocate (shop%state(size(draft%groups)), shop%spoilt(size(draft%groups)))
-      shop%spoilt = .true.                       ! an empty group is no finding here
-      do i = 1, size(draft%groups)
-         shop%state(i) = merge(DONE, WAITING, size(draft%groups(i)%node) > 0)
-      end do
-      call fill_group(draft, shop, place)
+      draft%groups%spoilt = .true.               ! an empty group is no finding here
+      call fill_group(draft, place)
       node = draft%groups(place)%node
    end subroutine fill_one_group
 
@@ -138,42 +121,40 @@ contains
    end function names_groups
 
    !> The nodes of group i; groups that it names come first
-   recursive subroutine fill_group(draft, shop, i)
+   recursive subroutine fill_group(draft, i)
       type(draft_t), intent(inout) :: draft
-      type(workshop_t), intent(inout) :: shop
       integer, intent(in) :: i
 
       type(node_list_t) :: list
       type(ids_t) :: ids
       integer :: n_error, block, row, k
 
-      if (shop%state(i) /= WAITING) return
-      shop%state(i) = UNDER_WAY
+      if (draft%groups(i)%state /= WAITING) return
+      draft%groups(i)%state = UNDER_WAY
       n_error = draft%deck%findings%n_error
       block = draft%groups(i)%block
       row = findloc(kinds%keyword, draft%deck%block(block)%keyword, 1)
       if (row > 0) then
          call read_ids(draft%deck, block, ids)
-         call take_ids(draft, shop, i, kinds(row), ids, 1, ids%n, list)
+         call take_ids(draft, i, kinds(row), ids, 1, ids%n, list)
       else
          do k = i, size(draft%groups)            ! a /SET/COLLECT has several blocks
             if (draft%deck%block(draft%groups(k)%block)%id == draft%deck%block(block)%id .and. &
                draft%deck%block(draft%groups(k)%block)%keyword == draft%deck%block(block)%keyword) &
-               call fill_set(draft, shop, i, draft%groups(k)%block, list)
+               call fill_set(draft, i, draft%groups(k)%block, list)
          end do
       end if
       call finish_list(draft%id, list, draft%groups(i)%node)
-      if (draft%deck%findings%n_error > n_error) shop%spoilt(i) = .true.
-      if (size(draft%groups(i)%node) == 0 .and. .not. shop%spoilt(i)) &
+      if (draft%deck%findings%n_error > n_error) draft%groups(i)%spoilt = .true.
+      if (size(draft%groups(i)%node) == 0 .and. .not. draft%groups(i)%spoilt) &
          call report_header(draft%deck, block, SEV_WARNING, 'KJ-0690', 'the node group is empty', &
          'no node')
-      shop%state(i) = DONE
+      draft%groups(i)%state = DONE
    end subroutine fill_group
 
    !> Nodes of a /SET, clause by clause: _D removes, _I keeps what is in both
-   recursive subroutine fill_set(draft, shop, group, block, list)
+   recursive subroutine fill_set(draft, group, block, list)
       type(draft_t), intent(inout) :: draft
-      type(workshop_t), intent(inout) :: shop
       integer, intent(in) :: group, block
       type(node_list_t), intent(inout) :: list
 
@@ -205,9 +186,9 @@ contains
                   'expected: a positive id', 'a clause with _D removes: '//trim(word)//'_D')
             end do
             if (index(suffix, 'G') > 0) then
-               call take_clause_ranges(draft, shop, group, kinds(row), ids, from, to, some)
+               call take_clause_ranges(draft, group, kinds(row), ids, from, to, some)
             else
-               call take_ids(draft, shop, group, kinds(row), ids, from, to, some)
+               call take_ids(draft, group, kinds(row), ids, from, to, some)
             end if
          end associate
          if (scan(suffix, 'DI') == 0) then
@@ -221,9 +202,8 @@ contains
    end subroutine fill_set
 
    !> Ranges of a clause: first, last, step stand in three fields; a step 0 is 1
-   recursive subroutine take_clause_ranges(draft, shop, group, kind, ids, from, to, list)
+   recursive subroutine take_clause_ranges(draft, group, kind, ids, from, to, list)
       type(draft_t), intent(inout) :: draft
-      type(workshop_t), intent(inout) :: shop
       integer, intent(in) :: group, from, to
       type(kind_t), intent(in) :: kind
       type(ids_t), intent(in) :: ids
@@ -251,7 +231,7 @@ contains
          do j = 1, size(known)
             if (kind%of == A_NODE) call add_node(find(draft%node, known(j)), list)
          end do
-         if (kind%of /= A_NODE) call take_ids(draft, shop, group, kind, as_list(known, ids, &
+         if (kind%of /= A_NODE) call take_ids(draft, group, kind, as_list(known, ids, &
             place), 1, size(known), list)
       end do
    end subroutine take_clause_ranges
@@ -263,7 +243,6 @@ contains
       integer, allocatable, intent(out) :: known(:)
 
       type(filter_t) :: filter
-      type(box_set_t) :: none
 
       allocate (known(0))
       select case (kind%of)
@@ -272,7 +251,7 @@ contains
       case (A_GROUP); known = draft%group%id
       case (AN_ELEMENT)
          filter%kind = element_cards%group == kind%which
-         call walk_elements(draft, none, filter, ids=known)
+         call walk_elements(draft, filter, ids=known)
       end select
       known = sort_unique(known)
    end subroutine ids_of_kind
@@ -293,9 +272,8 @@ contains
    end function as_list
 
    !> Append the nodes that the ids from to to stand for. What ids remove is removed in the end.
-   recursive subroutine take_ids(draft, shop, group, kind, ids, from, to, list)
+   recursive subroutine take_ids(draft, group, kind, ids, from, to, list)
       type(draft_t), intent(inout) :: draft
-      type(workshop_t), intent(inout) :: shop
       integer, intent(in) :: group               !! under way
       type(kind_t), intent(in) :: kind
       type(ids_t), intent(in) :: ids
@@ -313,13 +291,13 @@ contains
       case (A_SEGMENT)
          call take_segments(draft, kind, ids, from, to, list)
       case (AN_ELEMENT)
-         call take_elements(draft, shop%boxes, kind, ids, from, to, list)
+         call take_elements(draft, kind, ids, from, to, list)
       case (ALL_NODES)
          call add_nodes(draft%node%place, list)
       case default
-         call take_signed(draft, shop, group, kind, ids, from, to, 1, list)
+         call take_signed(draft, group, kind, ids, from, to, 1, list)
          if (all(ids%value(from:to) > 0)) return
-         call take_signed(draft, shop, group, kind, ids, from, to, -1, some)
+         call take_signed(draft, group, kind, ids, from, to, -1, some)
          sign = some%n
          call finish_list(draft%id, some, node)
          if (sign > 0) call remove_nodes(draft%id, node, list)
@@ -327,9 +305,8 @@ contains
    end subroutine take_ids
 
    !> The nodes behind the ids of one sign
-   recursive subroutine take_signed(draft, shop, group, kind, ids, from, to, sign, list)
+   recursive subroutine take_signed(draft, group, kind, ids, from, to, sign, list)
       type(draft_t), intent(inout) :: draft
-      type(workshop_t), intent(inout) :: shop
       integer, intent(in) :: group, from, to, sign
       type(kind_t), intent(in) :: kind
       type(ids_t), intent(in) :: ids
@@ -356,47 +333,45 @@ contains
                filter%part = filter%part .or. part
                deallocate (part)
             case (A_BOX)
-               known = find(shop%boxes%id, id) > 0
-               if (known) call add_box(draft, shop%boxes, find(shop%boxes%id, id), list)
+               known = find(draft%boxes%id, id) > 0
+               if (known) call add_box(draft, find(draft%boxes%id, id), list)
             case (A_GROUP)
                known = find(draft%group, id) > 0
-               if (known) call take_group(draft, shop, group, find(draft%group, id), ids, k, list)
+               if (known) call take_group(draft, group, find(draft%group, id), ids, k, list)
             case (A_SUBMODEL)
                call submodel_nodes(draft, id, list)
                known = list%n > before
             case (A_BODY)
-               call take_body(draft, shop, group, ids, k, known, list)
+               call take_body(draft, group, ids, k, known, list)
             case default
-               call take_selection(draft, shop%boxes, kind, id, list)
+               call take_selection(draft, kind, id, list)
                known = list%n > before
             end select
             if (known) cycle
             i = k
             call report_id(draft%deck, ids, i, kind%severity, kind%missing, trim(kind%what)//' '// &
                str(id)//merge(' is not defined', ' has no node   ', kind%of <= A_GROUP), &
-               'adds no node', known_of(draft, shop%boxes, kind))
+               'adds no node', known_of(draft, kind))
          end associate
       end do
-      if (kind%of == A_PART) call walk_elements(draft, shop%boxes, filter, list)
+      if (kind%of == A_PART) call walk_elements(draft, filter, list)
    end subroutine take_signed
 
    !> "defined: 1 2 3" of a kind, for a hint
-   pure function known_of(draft, boxes, kind) result(hint)
+   pure function known_of(draft, kind) result(hint)
       type(draft_t), intent(in) :: draft
-      type(box_set_t), intent(in) :: boxes
       type(kind_t), intent(in) :: kind
       character(len=160) :: hint
 
       hint = ''
       if (kind%what == 'part') hint = known_ids(draft%part, 'part')
-      if (kind%what == 'box') hint = known_ids(boxes%id, 'box')
+      if (kind%what == 'box') hint = known_ids(draft%boxes%id, 'box')
       if (kind%what == 'node group') hint = known_ids(draft%group, 'node group')
    end function known_of
 
    !> Nodes of a group of elements, a surface or a line
-   subroutine take_selection(draft, boxes, kind, id, list)
+   subroutine take_selection(draft, kind, id, list)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       type(kind_t), intent(in) :: kind
       integer, intent(in) :: id
       type(node_list_t), intent(inout) :: list
@@ -408,15 +383,15 @@ contains
       select case (kind%of)
       case (AN_ELEMENT_GROUP)
          filter%kind = element_cards%group == kind%which
-         call element_ids_of(draft, boxes, kind%which, id, OUTERMOST, filter%id)
-         if (size(filter%id) > 0) call walk_elements(draft, boxes, filter, list)
+         call element_ids_of(draft, kind%which, id, OUTERMOST, filter%id)
+         if (size(filter%id) > 0) call walk_elements(draft, filter, list)
       case (A_SURFACE)
-         call surface_of(draft, boxes, id, OUTERMOST, faces)
+         call surface_of(draft, id, OUTERMOST, faces)
          do i = 1, faces%n
             call add_nodes(faces%node(:, i), list)
          end do
       case (A_LINE)
-         call line_nodes(draft, boxes, id, list)
+         call line_nodes(draft, id, list)
       end select
    end subroutine take_selection
 
@@ -473,9 +448,8 @@ contains
    end subroutine take_segments
 
    !> Nodes of elements by their ids
-   subroutine take_elements(draft, boxes, kind, ids, from, to, list)
+   subroutine take_elements(draft, kind, ids, from, to, list)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       type(kind_t), intent(in) :: kind
       type(ids_t), intent(in) :: ids
       integer, intent(in) :: from, to
@@ -488,7 +462,7 @@ contains
       filter%kind = element_cards%group == kind%which
       filter%id = sort_unique(ids%value(from:to))
       allocate (found(0))
-      call walk_elements(draft, boxes, filter, list, found)
+      call walk_elements(draft, filter, list, found)
       found = sort_unique(found)
       do k = from, to
          at = lower_bound(found, ids%value(k))
@@ -501,28 +475,26 @@ contains
    end subroutine take_elements
 
    !> Append the nodes of another group
-   recursive subroutine take_group(draft, shop, group, other, ids, k, list)
+   recursive subroutine take_group(draft, group, other, ids, k, list)
       type(draft_t), intent(inout) :: draft
-      type(workshop_t), intent(inout) :: shop
       integer, intent(in) :: group, other
       type(ids_t), intent(in) :: ids
       integer, intent(in) :: k                   !! id that names the other group
       type(node_list_t), intent(inout) :: list
 
-      if (shop%state(other) == UNDER_WAY) then
+      if (draft%groups(other)%state == UNDER_WAY) then
          call report_id(draft%deck, ids, k, SEV_ERROR, 'KJ-9136', &
             'node groups name each other in a circle', 'this group needs the one it is in')
          return
       end if
-      call fill_group(draft, shop, other)
-      shop%spoilt(group) = shop%spoilt(group) .or. shop%spoilt(other)
+      call fill_group(draft, other)
+      draft%groups(group)%spoilt = draft%groups(group)%spoilt .or. draft%groups(other)%spoilt
       call add_nodes(draft%groups(other)%node, list)
    end subroutine take_group
 
    !> Append the main node of a rigid body and those of its group
-   recursive subroutine take_body(draft, shop, group, ids, k, known, list)
+   recursive subroutine take_body(draft, group, ids, k, known, list)
       type(draft_t), intent(inout) :: draft
-      type(workshop_t), intent(inout) :: shop
       integer, intent(in) :: group
       type(ids_t), intent(in) :: ids
       integer, intent(in) :: k
@@ -539,21 +511,20 @@ contains
          call read_cards(draft%deck, blocks(i), cards)
          call add_nodes([find(draft%node, int_of(cards, 'node_id'))], list)
          other = find(draft%group, int_of(cards, 'grnod_id'))
-         if (other > 0) call take_group(draft, shop, group, other, ids, k, list)
+         if (other > 0) call take_group(draft, group, other, ids, k, list)
       end do
    end subroutine take_body
 
    !> Append the nodes in a box, its faces included
-   pure subroutine add_box(draft, boxes, box, list)
+   pure subroutine add_box(draft, box, list)
       type(draft_t), intent(in) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: box
       type(node_list_t), intent(inout) :: list
 
       integer :: i
 
       do i = 1, draft%n_node
-         if (is_inside(draft, boxes, box, draft%x(i, :))) call add_node(i, list)
+         if (is_inside(draft, box, draft%x(i, :))) call add_node(i, list)
       end do
    end subroutine add_box
 

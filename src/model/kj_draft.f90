@@ -17,9 +17,9 @@ module kj_draft
    implicit none
    private
 
-   public :: draft_t, move_t, moved_point, sensor_t, group_t, elements_t, property_t, joint_t, &
-      blocks_of, blocks_with, index_blocks, find_blocks, reference, node_of, unsupported, &
-      group_nodes, report_double_blocks, known_ids
+   public :: draft_t, move_t, moved_point, box_set_t, property_t, joint_t, blocks_of, blocks_with, &
+      index_blocks, find_blocks, reference, node_of, unsupported, group_nodes, &
+      report_double_blocks, known_ids
 
    !> A block of elements
    type :: shelf_t
@@ -29,11 +29,25 @@ module kj_draft
       integer :: least = 1, most = 0             !! ids of its elements; most < least: not known yet
    end type shelf_t
 
+   integer, parameter, public :: WAITING = 0, UNDER_WAY = 1, DONE = 2
+
    !> A set of nodes
    type :: group_t
       integer :: block = 0                       !! of the deck
       integer, allocatable :: node(:)            !! raw node indices, ascending user id
+      integer :: state = WAITING                 !! its nodes are to be found, or are
+      logical :: spoilt = .false.                !! something was wrong with it, or with one in it
    end type group_t
+
+   !> All boxes of a deck, by which groups choose nodes and elements
+   type :: box_set_t
+      type(lookup_t) :: id
+      integer, allocatable :: keyword(:)         !! (n) KW_ constant: its form
+      integer, allocatable :: skew(:)            !! (n) skew index, 0 = global
+      !> (3, n) RECTA: corners, components in the skew; SPHER: centre; CYLIN: ends of the axis; W
+      real(wp), allocatable :: lo(:, :), hi(:, :)
+      real(wp), allocatable :: radius(:)         !! (n) of round ones
+   end type box_set_t
 
    !> A sensor of time
    type :: sensor_t
@@ -121,6 +135,7 @@ module kj_draft
       type(shelf_t), allocatable :: shelf(:)     !! blocks of elements, in deck order
       type(lookup_t) :: shelf_of_part            !! shelves by the places of their parts
       type(group_t), allocatable :: groups(:)
+      type(box_set_t) :: boxes
       type(skew_set_t) :: skews                  !! nodes are raw indices
       type(lookup_t) :: frame
       type(skew_set_t) :: frames                 !! axes at the start

@@ -11,7 +11,7 @@ module kj_select
    use kj_card_walk, only: card_walk_t, start_walk
    use kj_element_cards, only: element_cards, read_element, MOST_NODES
    use kj_draft, only: draft_t, blocks_with, index_blocks
-   use kj_box, only: box_set_t, is_inside
+   use kj_box, only: is_inside
    use kj_faces, only: faces_t, add_faces, add_face, find_single, keep_border
    use kj_node_list, only: node_list_t, add_node, add_nodes
    implicit none
@@ -77,9 +77,8 @@ contains
    end subroutine parts_of
 
    !> Walk the elements that a filter lets pass: their nodes, ids and faces, as asked for
-   subroutine walk_elements(draft, boxes, filter, list, ids, faces)
+   subroutine walk_elements(draft, filter, list, ids, faces)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       type(filter_t), intent(in) :: filter
       type(node_list_t), intent(inout), optional :: list
       integer, allocatable, intent(inout), optional :: ids(:)   !! appended, not sorted
@@ -116,7 +115,7 @@ contains
                if (node(i) > 0) raw(i) = find(draft%node, node(i))
             end do
             if (filter%box > 0) then
-               if (.not. in_box(draft, boxes, filter, raw(:members))) cycle
+               if (.not. in_box(draft, filter, raw(:members))) cycle
             end if
             if (present(list)) call add_nodes(raw(:members), list)
             if (present(faces)) call add_faces(draft%deck%block(walk%block)%keyword, raw, faces)
@@ -167,9 +166,8 @@ contains
    end subroutine find_shelves
 
    !> All nodes of an element, or one, are in the box of a filter
-   pure logical function in_box(draft, boxes, filter, raw) result(inside)
+   pure logical function in_box(draft, filter, raw) result(inside)
       type(draft_t), intent(in) :: draft
-      type(box_set_t), intent(in) :: boxes
       type(filter_t), intent(in) :: filter
       integer, intent(in) :: raw(:)
 
@@ -178,7 +176,7 @@ contains
       inside = filter%whole
       do i = 1, size(raw)
          if (raw(i) == 0) cycle
-         if (is_inside(draft, boxes, filter%box, draft%x(raw(i), :)) .neqv. filter%whole) then
+         if (is_inside(draft, filter%box, draft%x(raw(i), :)) .neqv. filter%whole) then
             inside = .not. filter%whole
             return
          end if
@@ -207,9 +205,8 @@ contains
    end function spring_members
 
    !> Ids of the elements of a group such as /GRSHEL/PART, ascending
-   recursive subroutine element_ids_of(draft, boxes, keyword, group, around, ids)
+   recursive subroutine element_ids_of(draft, keyword, group, around, ids)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: keyword             !! KW_GRSHEL, ...
       integer, intent(in) :: group               !! its id
       integer, intent(in) :: around(:)           !! groups that it is in: a circle ends
@@ -228,13 +225,13 @@ contains
          call read_id_lines(draft%deck, first_card(draft%deck, blocks(i)), &
             draft%deck%block(blocks(i))%last, 10, 1, list)
          if (word == 'GENE') then
-            call take_ranges(draft, boxes, keyword, list, ids)
+            call take_ranges(draft, keyword, list, ids)
             cycle
          end if
          do sign = 1, -1, -2
             do k = 1, list%n
                if (list%value(k)*sign < 0) cycle
-               call ids_behind(draft, boxes, keyword, word, abs(list%value(k)), &
+               call ids_behind(draft, keyword, word, abs(list%value(k)), &
                   [around, group], some)
                if (sign > 0) ids = [ids, some]
                if (sign < 0) ids = pack(ids, .not. is_among(ids, some))
@@ -245,9 +242,8 @@ contains
    end subroutine element_ids_of
 
    !> Ids of the elements behind one id of a list, ascending
-   recursive subroutine ids_behind(draft, boxes, keyword, word, id, around, ids)
+   recursive subroutine ids_behind(draft, keyword, word, id, around, ids)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: keyword, id, around(:)
       character(len=*), intent(in) :: word
       integer, allocatable, intent(out) :: ids(:)
@@ -260,13 +256,13 @@ contains
       case ('PART', 'SUBSET', 'MAT', 'PROP')
          allocate (filter%part(size(draft%part_block)), source=.false.)
          call parts_of(draft, trim(word), id, filter%part)
-         call walk_elements(draft, boxes, filter, ids=ids)
+         call walk_elements(draft, filter, ids=ids)
       case ('BOX', 'BOX2')
-         filter%box = find(boxes%id, id)
+         filter%box = find(draft%boxes%id, id)
          filter%whole = word == 'BOX'
-         if (filter%box > 0) call walk_elements(draft, boxes, filter, ids=ids)
+         if (filter%box > 0) call walk_elements(draft, filter, ids=ids)
       case ('GRSHEL', 'GRSH3N', 'GRBRIC', 'GRBEAM', 'GRTRUS', 'GRSPRI')
-         call element_ids_of(draft, boxes, keyword, id, around, ids)
+         call element_ids_of(draft, keyword, id, around, ids)
       case default                               ! SHEL, SH3N, BRIC, BEAM, TRUS, SPRI: elements
          ids = [id]
       end select
@@ -274,9 +270,8 @@ contains
    end subroutine ids_behind
 
    !> Elements whose ids lie in pairs of first and last
-   subroutine take_ranges(draft, boxes, keyword, list, ids)
+   subroutine take_ranges(draft, keyword, list, ids)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: keyword
       type(ids_t), intent(in) :: list
       integer, allocatable, intent(inout) :: ids(:)
@@ -287,7 +282,7 @@ contains
 
       filter%kind = element_cards%group == keyword
       allocate (every(0))
-      call walk_elements(draft, boxes, filter, ids=every)
+      call walk_elements(draft, filter, ids=every)
       do k = 1, list%n - 1, 2
          ids = [ids, pack(every, every >= list%value(k) .and. every <= list%value(k + 1))]
       end do
@@ -308,9 +303,8 @@ contains
    end function is_among
 
    !> The faces of a surface. Those of solids are the outer ones, unless the surface says ALL
-   recursive subroutine surface_of(draft, boxes, id, around, faces)
+   recursive subroutine surface_of(draft, id, around, faces)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: id, around(:)       !! surfaces that it is in: a circle ends
       type(faces_t), intent(inout) :: faces
 
@@ -333,21 +327,20 @@ contains
          call read_id_lines(draft%deck, first, draft%deck%block(block)%last, 10, 1, list)
          if (word == 'SURF') then
             do k = 1, list%n
-               if (list%value(k) > 0) call surface_of(draft, boxes, list%value(k), &
+               if (list%value(k) > 0) call surface_of(draft, list%value(k), &
                   [around, id], faces)
             end do
             cycle
          end if
-         call filter_of_surface(draft, boxes, word, list, filter)
-         call take_surface(draft, boxes, filter, index(line_text(draft%deck, &
+         call filter_of_surface(draft, word, list, filter)
+         call take_surface(draft, filter, index(line_text(draft%deck, &
             draft%deck%block(block)%header), '/ALL') > 0, faces)
       end do
    end subroutine surface_of
 
    !> The elements that a surface is made of
-   subroutine filter_of_surface(draft, boxes, word, list, filter)
+   subroutine filter_of_surface(draft, word, list, filter)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       character(len=*), intent(in) :: word       !! PART, GRSHEL, BOX, ...
       type(ids_t), intent(in) :: list
       type(filter_t), intent(out) :: filter
@@ -364,12 +357,12 @@ contains
          filter%kind = element_cards%group == keyword
          allocate (filter%id(0))
          do k = 1, list%n
-            call element_ids_of(draft, boxes, keyword, abs(list%value(k)), OUTERMOST, some)
+            call element_ids_of(draft, keyword, abs(list%value(k)), OUTERMOST, some)
             if (list%value(k) > 0) filter%id = sort_unique([filter%id, some])
             if (list%value(k) < 0) filter%id = pack(filter%id, .not. is_among(filter%id, some))
          end do
       case ('BOX', 'BOX2')
-         if (list%n > 0) filter%box = find(boxes%id, list%value(1))
+         if (list%n > 0) filter%box = find(draft%boxes%id, list%value(1))
          filter%whole = word == 'BOX'
          if (filter%box == 0) filter%kind = .false.
       case default
@@ -381,9 +374,8 @@ contains
    end subroutine filter_of_surface
 
    !> Faces of shells, and of solids those that no two of them share, or all
-   subroutine take_surface(draft, boxes, filter, every, faces)
+   subroutine take_surface(draft, filter, every, faces)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       type(filter_t), intent(in) :: filter
       logical, intent(in) :: every
       type(faces_t), intent(inout) :: faces
@@ -395,10 +387,10 @@ contains
 
       shells = filter
       shells%kind = filter%kind .and. element_cards%group /= KW_GRBRIC
-      call walk_elements(draft, boxes, shells, faces=faces)
+      call walk_elements(draft, shells, faces=faces)
       solids = filter
       solids%kind = filter%kind .and. element_cards%group == KW_GRBRIC
-      call walk_elements(draft, boxes, solids, faces=all_faces)
+      call walk_elements(draft, solids, faces=all_faces)
       if (all_faces%n == 0) return
       call find_single(all_faces, once)
       do i = 1, all_faces%n
@@ -431,9 +423,8 @@ contains
    end subroutine take_segments
 
    !> Nodes of a line: of the segments it lists, of a surface, of the border of one
-   subroutine line_nodes(draft, boxes, id, list)
+   subroutine line_nodes(draft, id, list)
       type(draft_t), intent(inout) :: draft
-      type(box_set_t), intent(in) :: boxes
       integer, intent(in) :: id
       type(node_list_t), intent(inout) :: list
 
@@ -453,7 +444,7 @@ contains
          else if (word == 'SURF' .or. word == 'EDGE') then
             call read_id_lines(draft%deck, first, draft%deck%block(block)%last, 10, 1, ids)
             do k = 1, ids%n
-               call surface_of(draft, boxes, ids%value(k), OUTERMOST, faces)
+               call surface_of(draft, ids%value(k), OUTERMOST, faces)
             end do
             if (word == 'EDGE') call keep_border(faces)
          end if
