@@ -13,7 +13,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/base/kj_sha256.f90", "merge(64, 128, sha%n_held < 56)", "merge(64, 128, sha%n_held < 57)", "unit.test_sha256"),
     ("src/base/kj_number.f90", "abs(number - anint(number)) > 0.0_wp", "abs(number - anint(number)) > 0.5_wp", "unit.test_number"),
     ("src/base/kj_units.f90", "(input%si(i)/work%si(i))**", "(work%si(i)/input%si(i))**", "unit.test_diff twins.units"),
-    ("src/base/kj_utf8.f90", "if (code < 194 .or.", "if (code < 192 .or.", "unit.test_utf8"),
+    ("src/base/kj_text.f90", "if (code < 194 .or.", "if (code < 192 .or.", "unit.test_text"),
     ("src/base/kj_math3.f90", "c(1)*cross(phi, cross(phi, IDENTITY(:, j)))", "c(1)*cross(cross(phi, IDENTITY(:, j)), phi)", "unit.test_math3"),
     ("src/base/kj_error.f90", "code = ERR_FILE", "code = ERR_INPUT", "cli.errors"),
     # deck

@@ -1,7 +1,8 @@
 !> What the formulation makes of a scene, before it starts.
 module kj_scheme_check
    use kj_kinds, only: wp
-   use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, SEV_NOTE
+   use kj_error, only: error_t, finding_list_t, fail, ERR_INPUT, SEV_NOTE, add_finding, str, &
+      SEV_WARNING
    use kj_joint_batch, only: has_friction
    use kj_model, only: model_t, joint_title
    use kj_legacy_warnings, only: warn_legacy
@@ -9,10 +10,17 @@ module kj_scheme_check
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_march, only: RKMK4
    use kj_scheme, only: scheme_t, note
+   use kj_channels, only: OF_JOINT
+   use kj_history, only: history_t, entity_title
+   use kj_extremes, only: extremes_t
    implicit none
    private
 
-   public :: check_scene
+   public :: check_scene, refuse_years, warn_give
+
+   real(wp), parameter :: MOST = 0.01_wp         !! of an arm; as much for a turn [rad]
+
+   real(wp), parameter :: MOST_CYCLES = 1.0e12_wp   !! of a run that is not forced
 
 contains
 
@@ -55,5 +63,106 @@ contains
          end associate
       end do
    end subroutine refuse_path
+
+   !> Cycles to the end of a run at the present step; a sample interval takes one at least
+   pure real(wp) function cycles_to_go(model, self) result(n)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+
+      real(wp) :: span, interval, h
+
+      span = max(0.0_wp, model%control%t_stop - self%now%time)
+      if (self%legacy) then
+         interval = span
+         h = min(self%cycles%h2, span)
+         if (self%now%cycle == 0 .and. model%control%dt_ini > 0.0_wp) h = span   ! it is the first
+      else
+         interval = span
+         if (model%control%sample > 0.0_wp) interval = min(span, model%control%sample)
+         h = min(self%march%limit, interval)
+      end if
+      n = 0.0_wp
+      if (span > 0.0_wp) n = span/interval*max(1.0_wp, interval/max(h, tiny(h)))
+   end function cycles_to_go
+
+   !> Cycles to the end of a run. Errors: ERR_INPUT beyond MOST_CYCLES, unless the run is forced
+   subroutine refuse_years(model, self, force, cycles, error)
+      type(model_t), intent(in) :: model
+      type(scheme_t), intent(in) :: self
+      logical, intent(in) :: force
+      real(wp), intent(out) :: cycles
+      type(error_t), allocatable, intent(out) :: error
+
+      character(len=9) :: text
+
+      cycles = cycles_to_go(model, self)
+      if (force .or. cycles <= MOST_CYCLES) return
+      write (text, '(es9.1)') cycles
+      call fail(error, ERR_INPUT, 'the run would take'//text//' cycles, which is years', &
+         'KJ-9079')
+      error%hint = 'longer steps (a lower Kn), longer intervals of samples, an earlier end, '// &
+         'or --force'
+   end subroutine refuse_years
+
+   !> One for each joint of the history whose ends moved apart by more than 1 % of its longer
+   !> arm, or turned apart by 0.01 rad, in a blocked direction
+   subroutine warn_give(model, history, x, findings)
+      type(model_t), intent(in) :: model
+      type(history_t), intent(in) :: history
+      type(extremes_t), intent(in) :: x
+      type(finding_list_t), intent(inout) :: findings
+
+      character(len=:), allocatable :: title
+      real(wp) :: arm
+      integer :: k
+
+      if (.not. allocated(x%give)) return
+      do k = 1, size(x%give, 2)
+         arm = longer_arm(model, model%joint(model%th_joint(k))%node)
+         title = 'joint '//entity_title(history, OF_JOINT, k)//' gave way by '
+         if (x%give(1, k) > MOST*arm .and. arm > 0.0_wp) then
+            call warn(title//str(nint(min(1.0e9_wp, 100.0_wp*x%give(1, k)/arm)))// &
+               ' % of its arm, '//two(x%give(1, k))// &
+               ' of '//two(arm))
+         else if (x%give(2, k) > MOST) then
+            call warn(title//two(x%give(2, k))//' rad in a blocked rotation')
+         end if
+      end do
+
+   contains
+
+      subroutine warn(message)
+         character(len=*), intent(in) :: message
+
+         type(error_t) :: finding
+
+         finding%severity = SEV_WARNING
+         finding%id = 'KJ-9302'
+         finding%message = message
+         finding%hint = 'raise Kn, or read the results with that in mind'
+         call add_finding(findings, finding)
+      end subroutine warn
+   end subroutine warn_give
+
+   !> The longer distance of a joint node from the centre of its body; 0 where both are centres
+   pure real(wp) function longer_arm(model, node) result(arm)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: node(2)
+
+      integer :: e
+
+      arm = 0.0_wp
+      do e = 1, 2
+         arm = max(arm, norm2(model%x0(node(e), :) - model%x0(model%lead(node(e)), :)))
+      end do
+   end function longer_arm
+
+   !> Two digits: "4.1E-02"
+   pure function two(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=7) :: text
+
+      write (text, '(es7.1)') value
+   end function two
 
 end module kj_scheme_check

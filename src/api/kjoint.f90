@@ -21,7 +21,6 @@ module kjoint
    use kj_sample, only: sampler_t
    use kj_extremes, only: extremes_t
    use kj_sink, only: sink_t, sink_memory_t
-   use kj_check, only: check_t, limit_row_t
    use kj_extract_report, only: extract_report_t
    use kj_run_option, only: run_options_t, run_options, set_run_option, find_run_option, &
       read_run_options, write_run_options
@@ -32,33 +31,89 @@ module kjoint
    use kj_host_build, only: new_joint_set, add_joint_curve, add_joint, start_joints
    use kj_host_state, only: joint_state_size, save_joints, restore_joints, joint_forces, &
       joint_stiffness, critical_step, joint_count, joint_result, joint_energy, joint_warnings
+   use kj_text, only: text_t
    implicit none
    private
 
-   public :: wp, error_t, finding_list_t, sink_t, history_t, KJOINT_VERSION
-   public :: OF_JOINT, OF_BODY, OF_NODE, OF_SPRING    ! indices of history_t%entity
-   public :: ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, SEV_ERROR
-   public :: run_options_t, run_options, set_run_option, find_run_option, read_run_options, &
-      write_run_options
-   public :: run_status_t, simulation_t, monitor_t, beside_t
-   public :: trace_simulation, trace_t, traced_lead_t, TRACE_NAME, TRACE_JOINT, TRACE_SPRING, &
-      TRACE_BODY, TRACE_NODE
-   public :: simulation_worst, extremes_t
-   public :: load_simulation, run_simulation, run_simulations, simulation_title, simulation_reach, &
-      simulation_options, simulation_checkpoints, default_output
-   public :: check_t, limit_row_t, check_simulation
-   public :: extract_report_t, extract_mechanism, holds_engine
+   public :: wp, error_t, finding_list_t, sink_t, history_t, KJOINT_VERSION, OF_JOINT, OF_BODY, &
+      OF_NODE, OF_SPRING, ERR_RUN, ERR_INPUT, ERR_FILE, ERR_INTERNAL, SEV_NOTE, SEV_WARNING, &
+      SEV_ERROR, run_options_t, run_options, set_run_option, find_run_option, read_run_options, &
+      write_run_options, run_status_t, simulation_t, monitor_t, beside_t, trace_simulation, &
+      trace_t, traced_lead_t, TRACE_NAME, TRACE_JOINT, TRACE_SPRING, TRACE_BODY, TRACE_NODE, &
+      simulation_worst, extremes_t, load_simulation, run_simulation, run_simulations, &
+      simulation_title, simulation_reach, simulation_options, simulation_checkpoints, &
+      default_output, check_t, limit_row_t, check_simulation, extract_report_t, extract_mechanism, &
+      holds_engine, start_simulation, advance_simulation, step_simulation, simulation_status, &
+      save_simulation, restore_simulation, simulation_history, sample_simulation, channel_values, &
+      sink_memory_t, body_state_t, simulation_bodies, simulation_joints, body_state, &
+      node_position, joint_state, set_body_load, set_load_factor, set_body_velocity, &
+      set_body_pose, lock_joint, joint_set_t, joint_spec_t, joint_result_t, new_joint_set, &
+      add_joint_curve, add_joint, start_joints, take_joints, joint_forces, joint_stiffness, &
+      critical_step, joint_count, joint_result, joint_energy, joint_warnings, joint_state_size, &
+      save_joints, restore_joints
+
+   !> Stop and friction of one direction of a joint; stops 0 and a friction limit 0: none
+   type :: limit_row_t
+      integer :: joint = 0                        !! index among the joints of the report
+      integer :: dof = 0                          !! direction, 1-6
+      real(wp) :: lo = 0.0_wp, hi = 0.0_wp        !! stops
+      logical :: combined = .false.               !! one circle or sphere with others
+      real(wp) :: stop_k = 0.0_wp                 !! stiffness of the stops; 0: automatic
+      real(wp) :: slip = 0.0_wp                   !! limit of friction, or scale of its function
+      integer :: slip_curve = 0                   !! id of the function, 0 = none
+      real(wp) :: slip_k = 0.0_wp                 !! stiffness of friction
+   end type limit_row_t
+
+   !> Joints, bodies and time-step limits; all in work units, ids are those of the deck
+   type :: check_t
+      integer :: n_spring = 0                     !! the last ones of the joints
+      integer :: n_node = 0, n_free = 0, n_curve = 0, n_load = 0
+      ! limits of the time step, before any factor
+      real(wp) :: nodal_step = 0.0_wp             !! the rule of Radioss; huge: nothing limits it
+      real(wp) :: safe_step = 0.0_wp              !! stable for certain
+      real(wp) :: exact_step = 0.0_wp             !! of the assembled scene; 0: too large to tell
+      ! of the integrator compliant, at the start
+      real(wp) :: turn_step = 0.0_wp              !! by the turn of the bodies; huge: no limit
+      real(wp) :: spring_step = 0.0_wp            !! by explicit springs, friction; huge: none
+      real(wp) :: stiffest = 0.0_wp               !! frequency of the stiffest blocked row alone
+      integer :: n_redundant = 0                  !! blocked rows that repeat others; -1: too many
+      real(wp) :: factor = 0.0_wp                 !! on the critical step, of deck or options
+      integer :: safe_joint = 0                   !! place of the joint that holds it, 0 = none
+      real(wp) :: t_stop = 0.0_wp                 !! end of a run
+      real(wp) :: cycles = 0.0_wp                 !! of a run, about
+      real(wp) :: seconds = 0.0_wp                !! that it takes by the pace of its first cycles
+      real(wp) :: samples = 0.0_wp                !! that it writes, each of `values` numbers
+      integer :: values = 0
+      type(finding_list_t) :: warnings            !! of a run that would end at once
+      real(wp), allocatable :: island_step(:)     !! safe steps of islands; huge: none
+      ! joints in deck order, then springs in deck order
+      integer, allocatable :: joint(:), property(:)   !! (n_joint)
+      type(text_t), allocatable :: joint_title(:) !! (n_joint) "pin C (903)", or the id alone
+      integer, allocatable :: row(:)              !! (n_joint) of kj_joint_types
+      integer, allocatable :: kind(:)             !! (n_joint) KJOINT, KJOINT2, SPRING4 or SPRING8
+      integer, allocatable :: frame(:)            !! (n_joint) FRAME_ constant
+      integer, allocatable :: node(:, :), body(:, :)  !! (2, n_joint); body 0 = a free node
+      real(wp), allocatable :: length(:)          !! (n_joint) from node 1 to node 2
+      !> (2, n_joint) stiffness of the blocked translations and rotations, 0 = none or not yet known
+      real(wp), allocatable :: blocking(:, :)
+      logical, allocatable :: automatic(:)        !! (n_joint) blocking comes from the first step
+      real(wp), allocatable :: ratio(:)           !! (n_joint) largest damping ratio of all dofs
+      real(wp), allocatable :: step(:)            !! (n_joint) critical step of the joint alone
+      real(wp), allocatable :: t_lock(:), t_free(:)   !! (n_element) locked from, to; huge: never
+      !> stops and friction, in deck order of the joints; KJOINT2 only
+      type(limit_row_t), allocatable :: limit(:)
+      ! bodies in ascending id
+      integer, allocatable :: body_id(:), n_secondary(:), n_joint(:)   !! (n_body)
+      type(text_t), allocatable :: body_title(:)  !! (n_body) as of joints
+      real(wp), allocatable :: mass(:)            !! (n_body)
+      real(wp), allocatable :: inertia(:, :)      !! (3, n_body) principal, descending
+      real(wp), allocatable :: centre(:, :)       !! (3, n_body) centre of gravity, W
+      logical, allocatable :: held(:, :)          !! (6, n_body) blocked by conditions
+      integer, allocatable :: n_driven(:)         !! (n_body) imposed motions
+   end type check_t
+
    ! model level, stepped by the host
-   public :: start_simulation, advance_simulation, step_simulation, simulation_status
-   public :: save_simulation, restore_simulation
-   public :: simulation_history, sample_simulation, channel_values, sink_memory_t
-   public :: body_state_t, simulation_bodies, simulation_joints, body_state, node_position, &
-      joint_state
-   public :: set_body_load, set_load_factor, set_body_velocity, set_body_pose, lock_joint
    ! element level
-   public :: joint_set_t, joint_spec_t, joint_result_t, new_joint_set, add_joint_curve, add_joint, &
-      start_joints, take_joints, joint_forces, joint_stiffness, critical_step, joint_count, &
-      joint_result, joint_energy, joint_warnings, joint_state_size, save_joints, restore_joints
 
    character(len=*), parameter :: RUNS = &
       'the simulation runs: who watches it may read its status and stop it'

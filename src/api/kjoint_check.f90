@@ -8,7 +8,7 @@ submodule (kjoint:kjoint_run) kjoint_check
    use kj_consistent_state, only: consistent_state_t
    use kj_consistent_auto_stiffness, only: start_scene
    use kj_scheme, only: critical_factor, scheme_t, start_scheme, go_on, is_over, warn_after
-   use kj_forecast, only: refuse_years
+   use kj_scheme_check, only: refuse_years
    use kj_system, only: wall_clock
    use kj_consistent_safe_step, only: bound_t, new_bound
    use kj_islands, only: find_islands, island_steps

@@ -20,8 +20,7 @@ submodule (kjoint) kjoint_impl
    use kj_sample, only: new_sampler
    use kj_scheme, only: choose_scheme
    use kj_scheme_check, only: check_scene
-   use kj_history, only: entity_t
-   use kj_shape, only: describe_shape
+   use kj_history, only: entity_t, describe_shape
    use kj_joint_batch, only: blocking_stiffness
    implicit none
 

@@ -4,9 +4,8 @@ submodule (kjoint) kjoint_run
    use kj_system, only: wall_clock
    use kj_sample, only: sample_row
    use kj_extremes, only: watch_row
-   use kj_give, only: warn_give
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
-   use kj_forecast, only: refuse_years
+   use kj_scheme_check, only: refuse_years, warn_give
    use kj_consistent_march, only: COMPLIANT
    use kj_consistent_compliant_check, only: compliant_steps
    use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after

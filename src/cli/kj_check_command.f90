@@ -6,8 +6,7 @@ module kj_check_command
    use kj_option, only: arguments_t, OPT_QUIET, OPT_JSON, OPT_JUNIT, OPT_WERROR
    use kj_terminal, only: print_line
    use kj_render, only: print_findings, print_failure, render
-   use kj_words, only: buffer_t, add, counted, escaped
-   use kj_json_writer, only: json_member
+   use kj_words, only: buffer_t, add, counted, escaped, json_member
    use kj_check_report, only: print_report, print_json
    use kj_restart_file, only: restart_t
    use kj_restart_command, only: find_restart, restart_from

@@ -7,9 +7,9 @@ module kj_check_report
       FRAME_APART, FRAME_LINE, DOF_NAME
    use kj_joint_batch, only: KJOINT2, SPRING4, SPRING8, SPRING13
    use kj_terminal, only: print_line
-   use kj_words, only: left, right, counted, few
+   use kj_words, only: left, right, counted, few, json_member, json_pair, json_real, json_list, &
+      json_findings, comma
    use kj_progress, only: span_text
-   use kj_json_writer, only: json_member, json_pair, json_real, json_list, json_findings, comma
    use kjoint, only: simulation_t, check_t, simulation_title, limit_row_t
    use kj_text, only: text_t
    implicit none

@@ -1,7 +1,7 @@
 !> The program kjoint without its main: command line in, exit code out.
 module kj_cli
    use kj_error, only: error_t, finding_list_t, add_finding
-   use kj_json_writer, only: json_member, json_findings
+   use kj_words, only: json_member, json_findings
    use kj_version, only: KJOINT_VERSION
    use kj_system, only: kj_kernel_machine
    use kj_info, only: describe_history
@@ -13,16 +13,13 @@ module kj_cli
       CMD_VERSION, OPT_JSON, OPT_VERBOSE
    use kj_terminal, only: print_line, print_text
    use kj_render, only: print_failure
-   use kj_list, only: print_table
-   use kj_help, only: print_help_on
+   use kj_help, only: print_help_on, print_table
    use kj_run_command, only: run_command
    use kj_check_command, only: check_command
    use kj_study_command, only: study_command
    use kj_python_command, only: python_command
    use kj_extract_command, only: extract_command
-   use kj_diff_command, only: diff_command, convert_command
-   use kj_export_command, only: export_command
-   use kj_watch_command, only: watch_command
+   use kj_export_command, only: export_command, diff_command, convert_command, watch_command
    implicit none
    private
 

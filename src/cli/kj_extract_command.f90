@@ -8,8 +8,7 @@ module kj_extract_command
    use kj_terminal, only: print_line
    use kj_output, only: write_output
    use kj_render, only: print_findings, print_failure
-   use kj_words, only: counted, few, right
-   use kj_json_writer, only: json_member, json_pair, json_list, json_findings, comma
+   use kj_words, only: counted, few, right, json_member, json_pair, json_list, json_findings, comma
    use kjoint, only: run_options_t, extract_report_t, extract_mechanism
    implicit none
    private

@@ -9,8 +9,7 @@ module kj_run_command
    use kj_terminal, only: print_line, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
-   use kj_words, only: counted
-   use kj_json_writer, only: json_member, json_pair, json_findings
+   use kj_words, only: counted, json_member, json_pair, json_findings
    use kj_trace_command, only: tracer_t, start_trace, end_trace
    use kj_progress, only: start_progress, list_to_file, end_progress, limiter, percent, rate, &
       SHOW_NOTHING, SHOW_STATUS, SHOW_LISTING, SHOW_SELDOM

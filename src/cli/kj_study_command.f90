@@ -10,10 +10,9 @@ module kj_study_command
    use kj_terminal, only: print_line, print_error
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
-   use kj_json_writer, only: json_member, json_findings, json_pair
    use kj_study, only: study_options_t, watcher_t, run_study
    use kj_study_table, only: study_t, trial_t, best_trial, order_of, CLASSES, N_CLASS
-   use kj_words, only: counted, few
+   use kj_words, only: counted, few, json_member, json_findings, json_pair
    implicit none
    private
 

@@ -4,7 +4,7 @@ module kj_trace_command
    use kj_error, only: error_t, fail, str, ERR_INPUT
    use kj_number, only: parse_integer, NUMBER_FINE
    use kj_joint_types, only: DOF_NAME, NDOF
-   use kj_json_writer, only: json_member, json_pair, json_real, json_list, comma
+   use kj_words, only: json_member, json_pair, json_real, json_list, comma
    use kj_option, only: arguments_t, OPT_TRACE, OPT_TRACE_CYCLES, OPT_JSON
    use kj_keeper, only: keeper_t
    use kj_progress, only: end_progress

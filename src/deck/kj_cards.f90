@@ -15,7 +15,7 @@ module kj_cards
    use kj_deck_text, only: deck_t, add_deck_finding, block_factors, header_end, report_line, &
       first_card, line_text, id_shift
    use kj_field, only: OF_NODE
-   use kj_card_walk, only: card_walk_t, start_walk, next_card
+   use kj_element_cards, only: card_walk_t, start_walk, next_card
    use kj_card_cut, only: cut_t, cut_card, is_blank_text, MOST_ON_CARD, read_integer_at, &
       read_real_at, report_cut
    use kj_spelling, only: upper

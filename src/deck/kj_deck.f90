@@ -15,8 +15,7 @@ module kj_deck
    use kj_deck_flat, only: flatten_deck
    use kj_parameter, only: setting_t
    use kj_cards, only: cards_t, read_cards, int_of, text_of, report
-   use kj_number, only: parse_real, NUMBER_FINE, parse_integer
-   use kj_card_text, only: integer_field
+   use kj_number, only: parse_real, NUMBER_FINE, parse_integer, integer_field
    implicit none
    private
 

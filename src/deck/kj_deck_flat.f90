@@ -12,12 +12,11 @@ module kj_deck_flat
    use kj_deck_text, only: deck_t, source_t, line_text, first_card, id_shift, add_deck_finding, &
       add_source, put_text, kind_word, FLAT
    use kj_card_cut, only: cut_t, cut_card, begins_with_number, MOST_ON_CARD
-   use kj_number, only: parse_integer, NUMBER_FINE
+   use kj_number, only: parse_integer, NUMBER_FINE, integer_field
    use kj_field, only: named_by_field, named_by_header, named_by_clause, OF_NOTHING, OF_NODE, &
       OF_ELEMENT
    use kj_element_cards, only: element_row, element_cards
    use kj_parameter, only: parameters_t, setting_t, read_parameters, replace_names, report_unused
-   use kj_card_text, only: integer_field
    implicit none
    private
 

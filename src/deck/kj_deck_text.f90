@@ -2,7 +2,7 @@
 !>
 !> A line is a pair of places in the text of its file: 1e6 lines cost four integers each. Of a full
 !> deck comments and the cards of nodes and elements are no lines: they stay in the file, and
-!> kj_card_walk reads them when somebody asks.
+!> kj_element_cards reads them when somebody asks.
 !> One file: lines, blocks and findings all point into the same texts.
 module kj_deck_text
    use, intrinsic :: iso_fortran_env, only: int64

@@ -7,8 +7,8 @@ module kj_diff_report
    use kj_channels, only: channels, CH_TIME
    use kj_metrics, only: metrics
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
-   use kj_words, only: buffer_t, add, left, short, few, escaped
-   use kj_json_writer, only: json_member, json_pair, json_text, json_list, comma
+   use kj_words, only: buffer_t, add, left, short, few, escaped, json_member, json_pair, &
+      json_text, json_list, comma
    use kj_text, only: text_t
    implicit none
    private

@@ -3,13 +3,12 @@ module kj_export
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
    use kj_units, only: unit_text, dimensions, D_TIME
-   use kj_utf8, only: as_utf8, is_plain
+   use kj_text, only: as_utf8, is_plain
    use kj_channels, only: channels, AS_F64, OF_RUN
    use kj_history, only: history_t
    use kj_series, only: series_t, find_series, series_value, series_unit, channel_path, NORM
    use kj_reader, only: history_reader_t, open_history_file, next_row, close_history_file
-   use kj_words, only: buffer_t, add
-   use kj_json_writer, only: json_member, json_pair, json_real, json_list, comma
+   use kj_words, only: buffer_t, add, json_member, json_pair, json_real, json_list, comma
    implicit none
    private
 

@@ -5,14 +5,13 @@ module kj_h5_layout
    use, intrinsic :: iso_c_binding, only: c_ptr, C_NULL_PTR
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
-   use kj_utf8, only: as_utf8, is_plain
    use kj_units, only: unit_text, D_NUMBER, D_LENGTH, D_MASS, D_INERTIA, &
       D_STIFFNESS, D_ROT_STIFFNESS
    use kj_joint_types, only: joint_types, find_joint_type, DOF_NAME
    use kj_channels, only: channels, groups, OF_JOINT, OF_SPRING, AS_F64, AS_I32, sampled_at, &
       OF_RUN, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
    use kj_history, only: history_t, n_entity, variable_t
-   use kj_text, only: text_t
+   use kj_text, only: text_t, as_utf8, is_plain
    use kj_h5, only: hid_t, close_object, put_text, create_group, has_link, link_to, put_texts, &
       put_number, put_numbers
    use kj_h5_write, only: make_scale, attach_scales, close_scale, write_numbers, write_texts, &

@@ -3,7 +3,8 @@
 module kj_info
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
-   use kj_words, only: counted, few, left, right
+   use kj_words, only: counted, few, left, right, json_member, json_pair, json_list, comma, &
+      json_real
    use kj_units, only: unit_text, D_TIME, unit_system_t, D_LENGTH, D_FORCE, D_MOMENT, D_ANGLE, &
       D_ANGULAR_VELOCITY, D_ENERGY, D_STIFFNESS
    use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
@@ -17,7 +18,6 @@ module kj_info
    use kj_series, only: channel_path
    use kj_extremes, only: extremes_t, watch_row, extreme_t
    use kj_snapshot, only: OWNER_JOINT
-   use kj_json_writer, only: json_member, json_pair, json_list, comma, json_real
    implicit none
    private
 

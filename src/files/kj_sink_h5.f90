@@ -13,8 +13,7 @@ module kj_sink_h5
    use kj_error, only: error_t, fail, str, ERR_FILE, ERR_INTERNAL
    use kj_version, only: KJOINT_VERSION
    use kj_system, only: remove_file, host_name, date_time, wall_clock
-   use kj_text, only: text_t
-   use kj_utf8, only: as_utf8
+   use kj_text, only: text_t, as_utf8
    use kj_channels, only: AS_F64, AS_I32, AS_I64, CH_TIME
    use kj_history, only: history_t
    use kj_sink, only: sink_t

@@ -9,15 +9,14 @@ module kj_acts
    use kj_deck_text, only: report_header, first_card, kind_word
    use kj_cards, only: report_row
    use kj_draft, only: draft_t
-   use kj_node_list, only: node_list_t, add_nodes
-   use kj_faces, only: faces_t
+   use kj_node_list, only: node_list_t, add_nodes, faces_t
    use kj_select, only: filter_t, surface_of, line_nodes, parts_of, walk_elements, &
       all_kinds, OUTERMOST
    use kj_build_group, only: fill_one_group
    use kj_element_mass, only: scales_t, element_t, first_element, next_element, NO_PROBLEM, &
       NO_DENSITY
    use kj_element_cards, only: element_row
-   use kj_full_card, only: card_real, card_integer
+   use kj_full_property, only: card_real, card_integer
    use kj_keep, only: keep_t, body_of
    implicit none
    private

@@ -11,9 +11,9 @@ module kj_element_mass
       KW_SHEL16, KW_BEAM, KW_TRUSS, KW_SPRING
    use kj_error, only: str, SEV_ERROR
    use kj_deck_text, only: block_factors, add_deck_finding
-   use kj_card_walk, only: card_walk_t, start_walk
    use kj_card_cut, only: cut_t, cut_card, read_real_at
-   use kj_element_cards, only: element_row, element_cards, read_element, MOST_NODES
+   use kj_element_cards, only: element_row, element_cards, read_element, MOST_NODES, card_walk_t, &
+      start_walk
    use kj_draft, only: draft_t
    use kj_full_property, only: section_t, defaults_t, read_sections, read_defaults, A_SANDWICH, &
       A_SPRING, A_PULLEY, A_STACK, OTHER_SECTION, A_JOINT, material_t, read_materials

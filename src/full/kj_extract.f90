@@ -14,7 +14,7 @@ module kj_extract
       KW_SKEW_FIX, KW_SKEW_MOV, KW_SKEW_MOV2, KW_FRAME_FIX, KW_FRAME_MOV, KW_FRAME_MOV2, &
       KW_FRAME_NOD
    use kj_deck_text, only: deck_t, line_text, title_of, report_header, folder_of, lengthen, put_text
-   use kj_card_text, only: real_field, integer_field
+   use kj_number, only: real_field, integer_field
    use kj_card_lists, only: th_t, read_th
    use kj_draft, only: draft_t
    use kj_model, only: model_t

@@ -29,7 +29,7 @@ module kj_mechanism
    use kj_build_axes, only: build_skews, build_frames, move_nodes
    use kj_build_group, only: build_groups
    use kj_build_body, only: build_bodies
-   use kj_faces, only: faces_t
+   use kj_node_list, only: faces_t
    use kj_select, only: surface_of, parts_of, OUTERMOST
    implicit none
    private

@@ -18,12 +18,10 @@ module kj_build_group
    use kj_element_cards, only: element_cards
    use kj_draft, only: draft_t, blocks_of, blocks_with, report_double_blocks, known_ids, WAITING, &
       UNDER_WAY, DONE
-   use kj_box, only: build_boxes, is_inside
    use kj_node_list, only: node_list_t, add_node, add_nodes, add_range, remove_nodes, keep_nodes, &
-      finish_list
-   use kj_faces, only: faces_t
-   use kj_select, only: filter_t, parts_of, element_ids_of, walk_elements, surface_of, &
-      line_nodes, submodel_nodes, all_kinds, OUTERMOST
+      finish_list, faces_t
+   use kj_select, only: filter_t, parts_of, element_ids_of, walk_elements, surface_of, line_nodes, &
+      submodel_nodes, all_kinds, OUTERMOST, build_boxes, is_inside
    implicit none
    private
 
