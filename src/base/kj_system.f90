@@ -1,14 +1,14 @@
 !> The little the library asks of the operating system: files by name, the host, the clock.
 module kj_system
    use, intrinsic :: iso_c_binding, only: c_int, c_long, c_size_t, c_char, c_null_char, &
-      c_ptr, c_associated
+      c_ptr, c_associated, c_f_pointer
    use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    implicit none
    private
 
    public :: file_kind, remove_file, sync_file, absolute_path, host_name, date_time, &
-      wall_clock, thread_clock, kj_kernel_machine
+      wall_clock, thread_clock, kj_kernel_machine, c_text
 
    !> struct timespec
    type, bind(c) :: c_time_t
@@ -57,6 +57,10 @@ module kj_system
          character(kind=c_char), intent(in) :: path(*)
          character(kind=c_char), intent(inout) :: buffer(*)
       end function c_realpath
+      integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
+         import :: c_size_t, c_ptr
+         type(c_ptr), value :: text
+      end function c_strlen
       integer(c_int) function c_gethostname(name, length) bind(c, name='gethostname')
          import :: c_int, c_size_t, c_char
          character(kind=c_char), intent(out) :: name(*)
@@ -65,6 +69,23 @@ module kj_system
    end interface
 
 contains
+
+   !> The text at an address, up to a zero; '' at none
+   subroutine c_text(address, text)
+      type(c_ptr), intent(in) :: address
+      character(len=:), allocatable, intent(out) :: text
+
+      character(kind=c_char), pointer :: letters(:)
+      integer :: i, n
+
+      n = 0
+      if (c_associated(address)) n = int(c_strlen(address))
+      allocate (character(len=n) :: text)
+      if (n > 0) call c_f_pointer(address, letters, [n])
+      do i = 1, n
+         text(i:i) = letters(i)
+      end do
+   end subroutine c_text
 
    !> What a path is, KIND_ constant; links are followed
    integer function file_kind(path)

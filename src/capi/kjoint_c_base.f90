@@ -9,7 +9,7 @@ module kjoint_c_base
    implicit none
    private
 
-   public :: box_t, entered, has_room, hand_out, release, outcome, refuse, get_text, put_text, &
+   public :: box_t, entered, has_room, hand_out, release, outcome, refuse, put_text, &
       put_count, list_findings
    public :: c_joint_result_t, c_joint_result
 
@@ -136,29 +136,6 @@ contains
       status = ERR_INPUT
       message = text
    end function refuse
-
-   !> A C text; '' for a null pointer. (No function: see str of kj_error.)
-   subroutine get_text(pointer, text)
-      type(c_ptr), intent(in) :: pointer
-      character(len=:), allocatable, intent(out) :: text
-
-      integer, parameter :: MOST = 100000
-      character(kind=c_char), pointer :: letters(:)
-      integer :: i, n
-
-      n = 0
-      if (c_associated(pointer)) then
-         call c_f_pointer(pointer, letters, [MOST])
-         do while (n < MOST)
-            if (letters(n + 1) == c_null_char) exit
-            n = n + 1
-         end do
-      end if
-      allocate (character(len=n) :: text)
-      do i = 1, n
-         text(i:i) = letters(i)
-      end do
-   end subroutine get_text
 
    !> A text into the buffer of a caller, cut to its size, ended by a zero
    integer(c_int) function put_text(text, buffer, size) result(status)

@@ -4,7 +4,8 @@ module kjoint_c_h5
    use kj_error, only: error_t, ERR_FILE, ERR_INPUT
    use kj_metrics, only: iso18571_t, rate_iso18571
    use kj_sink_h5, only: sink_h5_t
-   use kjoint_c_base, only: box_t, entered, outcome, refuse, get_text, OF_MODEL, OK
+   use kjoint_c_base, only: box_t, entered, outcome, refuse, OF_MODEL, OK
+   use kj_system, only: c_text
    implicit none
    private
 
@@ -27,7 +28,7 @@ contains
          status = refuse('there are no samples', box%message)
          return
       end if
-      call get_text(path, sink%path)
+      call c_text(path, sink%path)
       sink%command_line = 'kj_model_write_history'
       call sink%open(box%samples%history, error)
       do i = 1, box%samples%n_row

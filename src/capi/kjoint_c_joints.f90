@@ -10,8 +10,8 @@ module kjoint_c_joints
       joint_forces, joint_stiffness, critical_step, joint_count, joint_result, joint_energy, &
       joint_warnings, joint_state_size, save_joints, restore_joints
    use kjoint_c_base, only: box_t, entered, has_room, hand_out, release, outcome, refuse, &
-      get_text, put_text, OK, OF_JOINTS, OF_MODEL, put_count, list_findings, c_joint_result_t, &
-      c_joint_result
+      put_text, OK, OF_JOINTS, OF_MODEL, put_count, list_findings, c_joint_result_t, c_joint_result
+   use kj_system, only: c_text
    implicit none
    private
 
@@ -86,7 +86,7 @@ contains
 
       if (.not. has_room(joints, .true., 'joints is null', message, size, status)) return
       allocate (box)
-      call get_text(formulation, text)
+      call c_text(formulation, text)
       call new_joint_set(box%set, text, int(n_node), error)
       status = outcome(error, text)
       call hand_out(box, OF_JOINTS, status, text, message, size, joints)

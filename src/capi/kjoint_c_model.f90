@@ -13,7 +13,8 @@ module kjoint_c_model
       start_simulation, advance_simulation, step_simulation, simulation_status, &
       simulation_history, sample_simulation
    use kjoint_c_base, only: box_t, entered, has_room, hand_out, release, outcome, refuse, &
-      get_text, put_text, list_findings, OK, OF_MODEL
+      put_text, list_findings, OK, OF_MODEL
+   use kj_system, only: c_text
    implicit none
    private
 
@@ -84,9 +85,9 @@ contains
       if (.not. has_room(model, c_associated(starter), 'starter or model is null', message, size, &
          status)) return
       allocate (box)
-      call get_text(starter, deck)
-      call get_text(engine, controls)
-      call get_text(options, text)
+      call c_text(starter, deck)
+      call c_text(engine, controls)
+      call c_text(options, text)
       call read_run_options(text, chosen, error)
       if (.not. allocated(error)) &
          call load_simulation(box%sim, deck, controls, chosen, box%findings, error)

@@ -10,7 +10,8 @@ module kjoint_c_scene
       node_position, set_body_load, set_load_factor, set_body_velocity, set_body_pose, lock_joint, &
       save_simulation, restore_simulation, simulation_history
    use kjoint_c_base, only: box_t, entered, outcome, refuse, put_count, c_joint_result_t, &
-      c_joint_result, OK, OF_MODEL, get_text, put_text
+      c_joint_result, OK, OF_MODEL, put_text
+   use kj_system, only: c_text
    use, intrinsic :: iso_fortran_env, only: int8
    use kj_units, only: unit_text
    use kj_version, only: KJOINT_VERSION
@@ -314,7 +315,7 @@ contains
       character(len=:), allocatable :: name
       integer :: i
 
-      call get_text(channel, name)
+      call c_text(channel, name)
       history = simulation_history(box%sim)
       do i = 1, size(history%variable)
          v = history%variable(i)
@@ -468,7 +469,7 @@ contains
 
       if (.not. entered(model, OF_MODEL, box, status, c_associated(values), 'values is null')) &
          return
-      call get_text(name, text)
+      call c_text(name, text)
       associate (samples => box%samples)
          call find_series(simulation_history(box%sim), text, series, error)
          if (.not. allocated(error)) then

@@ -1,14 +1,14 @@
 !> `kjoint new`: a commented deck to begin with, one of those in decks/, which the program holds.
 module kj_new_command
    use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
-   use kj_system, only: file_kind, KIND_NONE
+   use kj_system, only: file_kind, KIND_NONE, c_text
    use kj_text, only: text_t
    use kj_output, only: write_output
    use kj_option, only: arguments_t
    use kj_joint_types, only: joint_types
    use kj_spelling, only: upper, did_you_mean
    use kj_terminal, only: print_line
-   use, intrinsic :: iso_c_binding, only: c_int, c_ptr, c_char, c_size_t, c_f_pointer
+   use, intrinsic :: iso_c_binding, only: c_int, c_ptr
    implicit none
    private
 
@@ -22,15 +22,10 @@ module kj_new_command
          import :: c_int, c_ptr
          integer(c_int), value :: i
       end function kj_shipped_name
-      type(c_ptr) function kj_shipped_text(i, n) bind(c)
-         import :: c_int, c_ptr, c_size_t
+      type(c_ptr) function kj_shipped_text(i) bind(c)
+         import :: c_int, c_ptr
          integer(c_int), value :: i
-         integer(c_size_t), intent(out) :: n
       end function kj_shipped_text
-      integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
-         import :: c_size_t, c_ptr
-         type(c_ptr), value :: text
-      end function c_strlen
    end interface
 
    character(len=*), parameter :: STARTER = '_0000.rad'
@@ -126,8 +121,7 @@ contains
       integer, intent(in) :: i
       character(len=:), allocatable, intent(out) :: name
 
-      call take_text(kj_shipped_name(int(i - 1, c_int)), c_strlen(kj_shipped_name(int(i - 1, &
-         c_int))), name)
+      call c_text(kj_shipped_name(int(i - 1, c_int)), name)
    end subroutine shipped_name
 
    !> Its text
@@ -135,26 +129,7 @@ contains
       integer, intent(in) :: i
       character(len=:), allocatable, intent(out) :: text
 
-      type(c_ptr) :: pointer
-      integer(c_size_t) :: n
-
-      pointer = kj_shipped_text(int(i - 1, c_int), n)
-      call take_text(pointer, n, text)
+      call c_text(kj_shipped_text(int(i - 1, c_int)), text)
    end subroutine shipped_text
-
-   subroutine take_text(pointer, n, text)
-      type(c_ptr), intent(in) :: pointer
-      integer(c_size_t), intent(in) :: n
-      character(len=:), allocatable, intent(out) :: text
-
-      character(kind=c_char), pointer :: letters(:)
-      integer :: i
-
-      call c_f_pointer(pointer, letters, [n])
-      allocate (character(len=n) :: text)
-      do i = 1, int(n)
-         text(i:i) = letters(i)
-      end do
-   end subroutine take_text
 
 end module kj_new_command

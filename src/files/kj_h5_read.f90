@@ -2,7 +2,7 @@
 !> anything, so every shape and type is tested before memory is asked for.
 !> One file: all that reads numbers and texts.
 module kj_h5_read
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_size_t, c_f_pointer, c_associated
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc
    use hdf5, only: hid_t, hsize_t, h5oopen_f, h5gget_info_f, h5dread_f, h5dget_space_f, &
       h5dget_type_f, h5dvlen_reclaim_f, h5lget_name_by_idx_f, h5screate_simple_f, h5sclose_f, &
       h5sselect_hyperslab_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_dims_f, &
@@ -13,6 +13,7 @@ module kj_h5_read
       H5T_STD_U8LE
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
+   use kj_system, only: c_text
    use kj_text, only: text_t
    use kj_h5, only: check, close_object, utf8_type
    use, intrinsic :: iso_fortran_env, only: int8, int64
@@ -21,13 +22,6 @@ module kj_h5_read
 
    public :: open_object, get_shape, read_rows, read_numbers, read_texts, read_bytes, &
       get_link_names, get_text, get_numbers, get_facts
-
-   interface
-      integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
-         import :: c_size_t, c_ptr
-         type(c_ptr), value :: text
-      end function c_strlen
-   end interface
 
 contains
 
@@ -203,18 +197,10 @@ contains
       type(c_ptr), intent(in) :: pointers(:)
       type(text_t), intent(inout) :: texts(:)      !! (size(pointers))
 
-      character(kind=c_char), pointer :: from(:)
-      integer :: i, j, n
+      integer :: i
 
       do i = 1, size(pointers)
-         n = 0
-         if (c_associated(pointers(i))) n = int(c_strlen(pointers(i)))
-         allocate (character(len=n) :: texts(i)%s)
-         if (n == 0) cycle
-         call c_f_pointer(pointers(i), from, [n])
-         do j = 1, n
-            texts(i)%s(j:j) = from(j)
-         end do
+         call c_text(pointers(i), texts(i)%s)
       end do
    end subroutine copy_texts
 

@@ -1,9 +1,9 @@
 !> Every file that kjoint writes comes about here: beside its place, under a name of its own, and
 !> takes its place when it is whole. Only a regular file or nothing is replaced, and no input.
 module kj_output
-   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char, c_ptr, c_f_pointer
+   use, intrinsic :: iso_c_binding, only: c_int, c_size_t, c_char, c_null_char, c_ptr
    use kj_error, only: error_t, fail, ERR_INPUT, ERR_FILE
-   use kj_system, only: remove_file
+   use kj_system, only: remove_file, c_text
    use kj_text, only: text_t
    implicit none
    private
@@ -273,15 +273,10 @@ contains
       integer(c_int), intent(in) :: number
       character(len=80) :: text
 
-      character(kind=c_char), pointer :: letters(:)
-      integer :: i
+      character(len=:), allocatable :: words
 
-      call c_f_pointer(c_strerror(number), letters, [len(text)])
-      text = ''
-      do i = 1, len(text)
-         if (letters(i) == c_null_char) exit
-         text(i:i) = letters(i)
-      end do
+      call c_text(c_strerror(number), words)
+      text = words
    end function why
 
 end module kj_output
