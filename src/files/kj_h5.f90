@@ -28,7 +28,7 @@ module kj_h5
    implicit none
    private
 
-   public :: hid_t, start_hdf5, hdf5_version, create_file, create_image, open_file, close_file
+   public :: hid_t, start_hdf5, hdf5_version, create_file, open_file, close_file
    public :: create_group, close_object, has_link, link_to
    public :: put_text, put_texts, put_number, put_numbers
    public :: check, start_object, file_type, make_space, utf8_type, c_texts   ! for kj_h5_*
@@ -74,31 +74,13 @@ contains
          call fail(error, ERR_FILE, 'cannot '//action//' (HDF5)')
    end subroutine check
 
-   !> Create a file, replacing one of that name
-   subroutine create_file(path, file, error)
-      character(len=*), intent(in) :: path
+   !> Create a file, replacing one of that name; an image is one in memory, lost when it is closed
+   subroutine create_file(name, file, error, image, live)
+      character(len=*), intent(in) :: name         !! of an image: that no other open file has
       integer(hid_t), intent(out) :: file
       type(error_t), allocatable, intent(inout) :: error
-
-      call create(path, .false., H5F_LIBVER_EARLIEST_F, file, error)
-   end subroutine create_file
-
-   !> Create a file in memory, which is lost when it is closed
-   subroutine create_image(name, live, file, error)
-      character(len=*), intent(in) :: name         !! that no other open file has
+      logical, intent(in) :: image
       logical, intent(in) :: live                  !! with a superblock of version 2
-      integer(hid_t), intent(out) :: file
-      type(error_t), allocatable, intent(inout) :: error
-
-      call create(name, .true., merge(H5F_LIBVER_V18_F, H5F_LIBVER_EARLIEST_F, live), file, error)
-   end subroutine create_image
-
-   subroutine create(name, in_memory, oldest, file, error)
-      character(len=*), intent(in) :: name
-      logical, intent(in) :: in_memory
-      integer, intent(in) :: oldest                !! version of HDF5 whose forms are used
-      integer(hid_t), intent(out) :: file
-      type(error_t), allocatable, intent(inout) :: error
 
       integer(hid_t) :: creation, access
       integer :: status, ignored
@@ -110,17 +92,18 @@ contains
       if (status >= 0) call h5pset_link_creation_order_f(creation, order_flags(), status)
       if (status >= 0) call h5pset_link_phase_change_f(creation, MOST_INLINE, MOST_INLINE/2, status)
       if (status >= 0) call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
-      if (status >= 0 .and. in_memory) then        ! its chunks are not written by HDF5
+      if (status >= 0 .and. image) then            ! its chunks are not written by HDF5
          call h5pset_fapl_core_f(access, CORE_INCREMENT, .false., status)
          if (status >= 0) call h5pset_cache_f(access, 0, 0_size_t, 0_size_t, 0.0, status)
       end if
-      if (status >= 0) call h5pset_libver_bounds_f(access, oldest, H5F_LIBVER_V18_F, status)
+      if (status >= 0) call h5pset_libver_bounds_f(access, merge(H5F_LIBVER_V18_F, &
+         H5F_LIBVER_EARLIEST_F, live), H5F_LIBVER_V18_F, status)
       if (status >= 0) call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
       if (status >= 0) call h5fcreate_f(name, H5F_ACC_TRUNC_F, file, status, creation, access)
       if (creation > 0) call h5pclose_f(creation, ignored)
       if (access > 0) call h5pclose_f(access, ignored)
       call check(status, 'create the file '//name, error)
-   end subroutine create
+   end subroutine create_file
 
    !> Open a file, for reading only unless asked otherwise
    subroutine open_file(path, file, error, to_write)
@@ -305,20 +288,11 @@ contains
       type(text_t) :: texts(1)
 
       texts(1)%s = text
-      call put_some_texts(id, name, texts, [integer ::], error)
+      call put_texts(id, name, texts, [integer ::], error)
    end subroutine put_text
 
-   !> Set an attribute to an array of texts
-   subroutine put_texts(id, name, texts, error)
-      integer(hid_t), intent(in) :: id
-      character(len=*), intent(in) :: name
-      type(text_t), intent(in) :: texts(:)
-      type(error_t), allocatable, intent(inout) :: error
-
-      call put_some_texts(id, name, texts, [size(texts)], error)
-   end subroutine put_texts
-
-   subroutine put_some_texts(id, name, texts, dims, error)
+   !> Set an attribute to texts of a shape, none for a single one
+   subroutine put_texts(id, name, texts, dims, error)
       integer(hid_t), intent(in) :: id
       character(len=*), intent(in) :: name
       type(text_t), intent(in) :: texts(:)
@@ -334,7 +308,7 @@ contains
       call c_texts(texts, buffer, pointers)
       call put_attribute(id, name, utf8, utf8, dims, c_loc(pointers), error)
       if (utf8 > 0) call h5tclose_f(utf8, ignored)
-   end subroutine put_some_texts
+   end subroutine put_texts
 
    !> Set an attribute to a number
    subroutine put_number(id, name, kind, value, error)

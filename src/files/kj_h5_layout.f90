@@ -70,29 +70,30 @@ contains
       integer, intent(in) :: owner
       type(error_t), allocatable, intent(inout) :: error
 
-      character(len=:), allocatable :: name
-      integer :: n
-
-      name = trim(groups(owner)%entity)
-      n = n_entity(history, owner)
-      call write_numbers(scope%group, name, AS_I32, [n], &
-         real(history%entity(owner)%id, wp), scope%entity, error)
-      call make_scale(scope%entity, name, error)
-      call put_text(scope%entity, 'units', '1', error)
-      call put_text(scope%entity, 'long_name', 'user id of the '//trim(ID_OF(owner)), error)
+      call write_number_scale(scope%group, trim(groups(owner)%entity), history%entity(owner)%id, &
+         'user id of the '//trim(ID_OF(owner)), scope%entity, error)
       call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
       if (has_variable(history, owner, 4)) call write_component_scale(scope%group, &
          ['w', 'x', 'y', 'z'], 'component of the quaternion', scope%quaternion, error)
-      if (allocated(history%entity(owner)%axes)) then
-         call write_numbers(scope%group, 'principal', AS_I32, [3], [1.0_wp, 2.0_wp, 3.0_wp], &
-            scope%principal, error)
-         call make_scale(scope%principal, 'principal', error)
-         call put_text(scope%principal, 'units', '1', error)
-         call put_text(scope%principal, 'long_name', 'principal axis', error)
-      end if
+      if (allocated(history%entity(owner)%axes)) call write_number_scale(scope%group, 'principal', &
+         [1, 2, 3], 'principal axis', scope%principal, error)
       if (has_variable(history, owner, 6)) call write_component_scale(scope%group, DOF_NAME, &
          'direction of the joint', scope%axis6, error)
    end subroutine write_scales
+
+   !> Write a scale of integers and leave it open
+   subroutine write_number_scale(group, name, values, meaning, id, error)
+      integer(hid_t), intent(in) :: group
+      character(len=*), intent(in) :: name, meaning
+      integer, intent(in) :: values(:)
+      integer(hid_t), intent(out) :: id
+      type(error_t), allocatable, intent(inout) :: error
+
+      call write_numbers(group, name, AS_I32, [size(values)], real(values, wp), id, error)
+      call make_scale(id, name, error)
+      call put_text(id, 'units', '1', error)
+      call put_text(id, 'long_name', meaning, error)
+   end subroutine write_number_scale
 
    !> A variable of this owner has n_comp components
    pure logical function has_variable(history, owner, n_comp)
@@ -225,27 +226,26 @@ contains
       integer, intent(in) :: values(:)
       type(error_t), allocatable, intent(inout) :: error
 
-      integer(hid_t) :: id
-
-      call write_numbers(scope%group, name, AS_I32, [size(values)], real(values, wp), id, error)
-      call attach_scales(scope%scales, id, [scope%entity], error)
-      call put_text(id, 'units', '1', error)
-      call put_text(id, 'long_name', meaning, error)
-      call close_object(id, error)
+      call write_constant(scope, name, [size(values)], real(values, wp), [scope%entity], '1', &
+         meaning, error, AS_I32)
    end subroutine write_ids
 
-   !> Write reals over the entities
-   subroutine write_constant(scope, name, dims, values, scales, units, meaning, error)
+   !> Write numbers over the entities
+   subroutine write_constant(scope, name, dims, values, scales, units, meaning, error, kind)
       type(group_scope_t), intent(in) :: scope
       character(len=*), intent(in) :: name, units, meaning
       integer, intent(in) :: dims(:)               !! Fortran order
       real(wp), contiguous, intent(in) :: values(:)   !! (product(dims))
       integer(hid_t), intent(in) :: scales(:)      !! of each dimension
       type(error_t), allocatable, intent(inout) :: error
+      integer, intent(in), optional :: kind        !! AS_ constant; AS_F64
 
       integer(hid_t) :: id
+      integer :: stored
 
-      call write_numbers(scope%group, name, AS_F64, dims, values, id, error)
+      stored = AS_F64
+      if (present(kind)) stored = kind
+      call write_numbers(scope%group, name, stored, dims, values, id, error)
       call attach_scales(scope%scales, id, scales, error)
       call put_text(id, 'units', units, error)
       call put_text(id, 'long_name', meaning, error)
@@ -271,12 +271,9 @@ contains
       root%group = file
       root%scales = new_scales()
       root%coordinates = ''
-      do i = 1, size(history%variable)
-         if (history%variable(i)%channel /= CH_TIME) cycle
-         call write_variable(root, history, history%variable(i), n_chunk, series(i), error)
-         root%time = series(i)
-         exit
-      end do
+      i = findloc(history%variable%channel, CH_TIME, 1)
+      call write_variable(root, history, history%variable(i), n_chunk, series(i), error)
+      root%time = series(i)
       do i = 1, size(history%variable)
          if (channels(history%variable(i)%channel)%owner /= OF_RUN .or. series(i) >= 0) cycle
          call write_variable(root, history, history%variable(i), n_chunk, series(i), error)
@@ -300,18 +297,16 @@ contains
       type(sha256_t) :: all, one
       integer :: i
 
-      allocate (input(0))
-      if (allocated(history%input_text)) then
-         deallocate (input)
-         allocate (input(size(history%input_text)))
-         do i = 1, size(input)
-            call add_text(all, history%input_text(i)%s)
-            one = sha256_t()
-            if (i > 1) call add_text(one, history%input_text(i)%s)
-            if (i == 1) one = all
-            input(i) = digest_of(one)
-         end do
-      end if
+      i = 0
+      if (allocated(history%input_text)) i = size(history%input_text)
+      allocate (input(i))
+      do i = 1, size(input)
+         call add_text(all, history%input_text(i)%s)
+         one = sha256_t()
+         if (i > 1) call add_text(one, history%input_text(i)%s)
+         if (i == 1) one = all
+         input(i) = digest_of(one)
+      end do
       all_input = digest_of(all)
    end subroutine find_digests
 
@@ -414,11 +409,8 @@ contains
          integer :: i
 
          call create_group(root%group, name, scope%group, error)
-         call write_numbers(scope%group, name, AS_I32, [n], [(real(i, wp), i=0, n - 1)], &
+         call write_number_scale(scope%group, name, [(i, i=0, n - 1)], 'index of the '//name, &
             scope%entity, error)
-         call make_scale(scope%entity, name, error)
-         call put_text(scope%entity, 'units', '1', error)
-         call put_text(scope%entity, 'long_name', 'index of the '//name, error)
       end subroutine open_table
 
       subroutine close_table()
@@ -452,7 +444,7 @@ contains
       axes(1)%s = 'time'
       axes(2)%s = trim(groups(owner)%entity)
       if (size(axes) == 3) axes(3)%s = component_name(history%variable(best)%n_comp)
-      call put_texts(group, 'axes', axes, error)
+      call put_texts(group, 'axes', axes, [size(axes)], error)
    end subroutine put_signal
 
    !> Shape of one row of a variable: [components, entities] as far as they are dimensions

@@ -191,7 +191,6 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       integer(hid_t) :: id
-      integer(hid_t), allocatable :: longer(:)
       character(len=:), allocatable :: name, level
       integer :: row, n, owner
 
@@ -210,10 +209,7 @@ contains
          end if
          if (.not. has_link(reader%file, name)) cycle
          call open_object(reader%file, name, id, error)
-         allocate (longer(size(reader%series) + 1))
-         longer(:size(reader%series)) = reader%series
-         longer(size(longer)) = id
-         call move_alloc(longer, reader%series)
+         reader%series = [reader%series, id]
          call add_variable(history, row, n)
          call check_shape(reader, history, id, name, error)
          call get_text(id, 'sampled_at', level, error)

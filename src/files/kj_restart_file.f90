@@ -45,7 +45,7 @@ contains
       call begin_output(path, [text_t ::], place, part, error)
       if (allocated(error)) return
       call start_hdf5(error)
-      call create_file(part, file, error)
+      call create_file(part, file, error, image=.false., live=.false.)
       call put_text(file, 'title', 'state of a kjoint run, to go on from', error)
       call put_text(file, 'source', 'kjoint '//KJOINT_VERSION, error)
       call put_text(file, 'starter', restart%starter, error)

@@ -18,7 +18,7 @@ module kj_sink_h5
    use kj_history, only: history_t
    use kj_sink, only: sink_t
    use kj_output, only: settle_output, open_part, name_part, has_name
-   use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_image, close_file, create_group, &
+   use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, create_group, &
       put_text, put_number
    use kj_h5_layout, only: write_layout
    use kj_h5_store, only: begin_store, commit_rows, last_rows, finish_store, close_store, &
@@ -132,7 +132,7 @@ contains
       integer(hid_t) :: series(size(history%variable))
 
       call start_hdf5(error)
-      call create_image(self%target//' in memory', self%live, file, error)
+      call create_file(self%target//' in memory', file, error, image=.true., live=self%live)
       call write_layout(file, history, self%n_chunk, series, error)
       call put_start(self, history, file, run, error)
       self%descriptor = -1
