@@ -3,7 +3,7 @@ submodule (kjoint:kjoint_run) kjoint_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use kj_math3, only: to_quaternion
    use kj_joint_types, only: joint_types
-   use kj_channels, only: channels, groups
+   use kj_series, only: channel_path
    use kj_scheme, only: advance_to, node_place, NEVER
    use kj_host_build, only: take_model
    use kj_checkpoint, only: save_scene, restore_scene
@@ -100,7 +100,6 @@ contains
    end procedure sample_simulation
 
    module procedure channel_values
-      character(len=:), allocatable :: path
       integer :: i
 
       if (size(row) /= history%n_value .or. .not. allocated(history%variable)) then
@@ -109,10 +108,8 @@ contains
          return
       end if
       do i = 1, size(history%variable)
-         associate (v => history%variable(i), c => channels(history%variable(i)%channel))
-            path = trim(c%name)
-            if (len_trim(groups(c%owner)%path) > 0) path = trim(groups(c%owner)%path)//'/'//path
-            if (path /= name) cycle
+         associate (v => history%variable(i))
+            if (channel_path(v%channel) /= name) cycle
             values = reshape(row(v%first:v%first + v%n_comp*v%n_entity - 1), [v%n_comp, v%n_entity])
             return
          end associate

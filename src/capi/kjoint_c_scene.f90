@@ -16,8 +16,8 @@ module kjoint_c_scene
    use kj_units, only: unit_text
    use kj_version, only: KJOINT_VERSION
    use kj_history, only: history_t, variable_t
-   use kj_channels, only: channels, groups, OF_RUN
-   use kj_series, only: series_t, find_series, series_value
+   use kj_channels, only: channels, OF_RUN
+   use kj_series, only: series_t, find_series, series_value, channel_path
    implicit none
    private
 
@@ -293,36 +293,33 @@ contains
       status = put_text(KJOINT_VERSION, buffer, size)
    end function kj_version
 
-   !> Name of a variable as in the history file
-   function name_of(v) result(name)
-      type(variable_t), intent(in) :: v
-      character(len=40) :: name
-
-      associate (c => channels(v%channel))
-         name = c%name
-         if (len_trim(groups(c%owner)%path) > 0) name = trim(groups(c%owner)%path)//'/'//c%name
-      end associate
-   end function name_of
-
-   !> A variable of the samples of a model. Errors: ERR_INPUT
-   subroutine find_variable(box, channel, v, error)
-      type(box_t), intent(in) :: box
-      type(c_ptr), intent(in) :: channel
+   !> Begin a call about a channel of a model. The call ends at once, with the status, when there is
+   !> none, or the arguments are not right.
+   logical function on_channel(model, channel, box, history, v, status, right, wrong) result(found)
+      type(c_ptr), intent(in) :: model, channel
+      type(box_t), pointer, intent(out) :: box
+      type(history_t), intent(out) :: history
       type(variable_t), intent(out) :: v
-      type(error_t), allocatable, intent(out) :: error
+      integer(c_int), intent(out) :: status
+      logical, intent(in), optional :: right               !! as of entered
+      character(len=*), intent(in), optional :: wrong
 
-      type(history_t) :: history
       character(len=:), allocatable :: name
       integer :: i
 
+      found = .false.
+      if (.not. entered(model, OF_MODEL, box, status, right, wrong)) return
       call c_text(channel, name)
       history = simulation_history(box%sim)
+      status = OK
+      box%message = ''
       do i = 1, size(history%variable)
          v = history%variable(i)
-         if (name_of(v) == name) return
+         found = channel_path(v%channel) == name
+         if (found) return
       end do
-      call fail(error, ERR_INPUT, 'the history has no channel '//name)
-   end subroutine find_variable
+      status = refuse('the history has no channel '//name, box%message)
+   end function on_channel
 
    !> See kjoint.h
    integer(c_int) function kj_model_channels(model, buffer, size) bind(c) result(status)
@@ -336,9 +333,9 @@ contains
 
       if (.not. entered(model, OF_MODEL, box, status)) return
       history = simulation_history(box%sim)
-      text = trim(name_of(history%variable(1)))
+      text = channel_path(history%variable(1)%channel)
       do i = 2, ubound(history%variable, 1)
-         text = text//new_line('a')//trim(name_of(history%variable(i)))
+         text = text//new_line('a')//channel_path(history%variable(i)%channel)
       end do
       status = put_text(text, buffer, size)
    end function kj_model_channels
@@ -349,16 +346,13 @@ contains
       type(c_ptr), value :: model, channel, n_row, n_entity, n_comp
 
       type(box_t), pointer :: box
+      type(history_t) :: history
       type(variable_t) :: v
-      type(error_t), allocatable :: error
       integer(c_int), pointer :: number
 
-      if (.not. entered(model, OF_MODEL, box, status, c_associated(n_row) .and. &
+      if (.not. on_channel(model, channel, box, history, v, status, c_associated(n_row) .and. &
          c_associated(n_entity) .and. c_associated(n_comp), &
          'n_row, n_entity or n_comp is null')) return
-      call find_variable(box, channel, v, error)
-      status = outcome(error, box%message)
-      if (status /= OK) return
       call c_f_pointer(n_row, number)
       number = int(box%samples%n_row, c_int)
       call c_f_pointer(n_entity, number)
@@ -373,15 +367,12 @@ contains
       integer(c_int), value :: count
 
       type(box_t), pointer :: box
+      type(history_t) :: history
       type(variable_t) :: v
-      type(error_t), allocatable :: error
       real(c_double), pointer :: series(:, :)
       integer :: width
 
-      if (.not. entered(model, OF_MODEL, box, status)) return
-      call find_variable(box, channel, v, error)
-      status = outcome(error, box%message)
-      if (status /= OK) return
+      if (.not. on_channel(model, channel, box, history, v, status)) return
       width = v%n_entity*v%n_comp
       if (count /= width*box%samples%n_row .or. .not. c_associated(values)) then
          status = refuse('the channel has '//str(width*box%samples%n_row)//' values, count is '// &
@@ -400,14 +391,9 @@ contains
 
       type(box_t), pointer :: box
       type(variable_t) :: v
-      type(error_t), allocatable :: error
       type(history_t) :: history
 
-      if (.not. entered(model, OF_MODEL, box, status)) return
-      call find_variable(box, channel, v, error)
-      status = outcome(error, box%message)
-      if (status /= OK) return
-      history = simulation_history(box%sim)
+      if (.not. on_channel(model, channel, box, history, v, status)) return
       status = put_text(unit_text(channels(v%channel)%dim, history%units), buffer, size)
    end function kj_model_unit
 
@@ -418,16 +404,11 @@ contains
 
       type(box_t), pointer :: box
       type(variable_t) :: v
-      type(error_t), allocatable :: error
       type(history_t) :: history
       character(len=:), allocatable :: text
       integer :: i, n
 
-      if (.not. entered(model, OF_MODEL, box, status)) return
-      call find_variable(box, channel, v, error)
-      status = outcome(error, box%message)
-      if (status /= OK) return
-      history = simulation_history(box%sim)
+      if (.not. on_channel(model, channel, box, history, v, status)) return
       allocate (character(len=60 + ABOUT_WIDTH*v%n_entity) :: text)
       n = 0
       call add(trim(channels(v%channel)%meaning))

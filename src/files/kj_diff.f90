@@ -9,8 +9,8 @@ module kj_diff
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_FILE, ERR_INPUT, str
-   use kj_channels, only: CH_TIME, channels, groups, OF_RUN, OF_JOINT, &
-      CH_CYCLE, CH_TIME_STEP, CH_OWNER_KIND, CH_OWNER
+   use kj_channels, only: CH_TIME, channels, OF_RUN, OF_JOINT, CH_CYCLE, CH_TIME_STEP, &
+      CH_OWNER_KIND, CH_OWNER
    use kj_metrics, only: metrics, curve_sums_t, add_sample, finish_metrics, M_ISO, M_ISO_Z, &
       M_ISO_P, M_ISO_M, M_ISO_S, rate_iso18571, iso18571_t
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t, profile_t, &
@@ -23,7 +23,7 @@ module kj_diff
    use kj_text, only: append_text, text_t
    use kj_sort, only: lookup_t
    use kj_history, only: history_t, entity_title
-   use kj_series, only: series_t, find_series, component_name, NORM
+   use kj_series, only: series_t, find_series, component_name, channel_path, NORM
    implicit none
    private
 
@@ -459,9 +459,8 @@ contains
       character(len=*), intent(in) :: entity
       character(len=:), allocatable :: name
 
-      name = trim(channels(channel)%name)
-      if (channels(channel)%owner == OF_RUN) return
-      name = trim(groups(channels(channel)%owner)%path)//'/'//name//'['//entity//']'
+      name = channel_path(channel)
+      if (channels(channel)%owner /= OF_RUN) name = name//'['//entity//']'
    end function name_of
 
    !> "joint/force[pin C (5)]" of an entity by its place

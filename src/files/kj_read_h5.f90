@@ -3,8 +3,9 @@
 module kj_read_h5
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
-   use kj_channels, only: channels, groups, OF_RUN, OF_JOINT, OF_SPRING, AT_T
+   use kj_channels, only: channels, groups, OF_JOINT, OF_SPRING, AT_T
    use kj_history, only: history_t, add_variable, n_entity
+   use kj_series, only: channel_path
    use kj_text, only: text_t
    use kj_h5, only: hid_t, start_hdf5, open_file, close_file, close_object, has_link
    use kj_h5_read, only: open_object, get_shape, read_rows, read_texts, get_link_names, get_text, &
@@ -192,21 +193,16 @@ contains
 
       integer(hid_t) :: id
       character(len=:), allocatable :: name, level
-      integer :: row, n, owner
+      integer :: row, n
 
       allocate (reader%series(0))
       history%legacy = .false.
       reader%n_row = huge(1)
       do row = 1, size(channels)
          if (allocated(error)) return
-         owner = channels(row)%owner
-         n = n_entity(history, owner)
-         name = trim(channels(row)%name)
-         if (owner /= OF_RUN) then
-            if (n == 0) cycle
-            if (.not. has_link(reader%file, trim(groups(owner)%path))) cycle
-            name = trim(groups(owner)%path)//'/'//name
-         end if
+         n = n_entity(history, channels(row)%owner)
+         name = channel_path(row)
+         if (n == 0) cycle
          if (.not. has_link(reader%file, name)) cycle
          call open_object(reader%file, name, id, error)
          reader%series = [reader%series, id]
