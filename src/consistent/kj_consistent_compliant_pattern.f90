@@ -1,5 +1,5 @@
-!> Order of elimination and pattern of the Cholesky factor of the bodies: minimum degree, once at
-!> the start. A tree of bodies, whatever its degrees, has no fill.
+!> Order of elimination and pattern of the Cholesky factor: minimum degree, once at the start. A
+!> tree of bodies, whatever its degrees, has no fill.
 !> Source: docs/theory/compliant.md 4.
 module kj_consistent_compliant_pattern
    use kj_sort, only: sort_unique
@@ -7,76 +7,69 @@ module kj_consistent_compliant_pattern
    implicit none
    private
 
-   public :: new_pattern
+   public :: new_pattern, place
 
-   !> Neighbours of a body, and more room
+   !> Neighbours of a node, and more room
    type :: list_t
       integer :: n = 0
       integer, allocatable :: at(:)
    end type list_t
 
-   !> Bodies by their degree: rings of a list that is linked both ways
+   !> Nodes by their degree: lists that are linked both ways, first in, first out: the two ends of a
+   !> chain come by turns, and need not wait for each other
    type :: queue_t
-      integer, allocatable :: head(:), next(:), previous(:), degree(:)
+      integer, allocatable :: head(:), tail(:), next(:), previous(:), degree(:)
       integer :: least = 0
    end type queue_t
 
 contains
 
-   !> Pattern of the bodies that joints couple
-   pure subroutine new_pattern(ends, moves, pattern)
-      integer, intent(in) :: ends(:, :)          !! (2, n_element) leads of joints; 0 = no rows
-      logical, intent(in) :: moves(:)            !! (n_lead)
+   !> Pattern of n nodes of which pairs are coupled
+   pure subroutine new_pattern(n, pair, pattern)
+      integer, intent(in) :: n
+      integer, intent(in) :: pair(:, :)          !! (2, pairs) may be there twice
       type(pattern_t), intent(out) :: pattern
 
       type(list_t), allocatable :: near(:), below(:)
-      integer, allocatable :: order(:), place_of(:), node(:)
-      integer :: i, j, k, n
+      integer, allocatable :: order(:)
+      integer :: j
 
-      allocate (pattern%column(size(moves)), source=0)
-      n = 0
-      do j = 1, size(ends, 2)
-         do k = 1, 2
-            if (ends(k, j) == 0) cycle
-            if (.not. moves(ends(k, j)) .or. pattern%column(ends(k, j)) > 0) cycle
-            n = n + 1
-            pattern%column(ends(k, j)) = n
-         end do
-      end do
       pattern%n = n
-      allocate (near(n), below(n), order(n), place_of(n), node(n))
-      do j = 1, size(ends, 2)
-         if (any(ends(:, j) == 0)) cycle
-         associate (a => pattern%column(ends(1, j)), b => pattern%column(ends(2, j)))
-            if (a == 0 .or. b == 0 .or. a == b) cycle
-            if (holds(near(a), b)) cycle
+      allocate (near(n), below(n), order(n), pattern%column(n))
+      do j = 1, size(pair, 2)
+         associate (a => pair(1, j), b => pair(2, j))
+            if (coupled(near, a, b)) cycle
             call add(b, near(a))
             call add(a, near(b))
          end associate
       end do
       call eliminate(near, order, below)
-      do i = 1, n
-         place_of(order(i)) = i
-      end do
-      do i = 1, size(moves)
-         if (pattern%column(i) == 0) cycle
-         pattern%column(i) = place_of(pattern%column(i))
-      end do
-      allocate (pattern%lead(n))
-      do i = 1, size(moves)
-         if (pattern%column(i) > 0) pattern%lead(pattern%column(i)) = i
-      end do
-      call list_blocks(order, place_of, below, pattern)
+      pattern%column(order) = [(j, j=1, n)]
+      call list_blocks(order, below, pattern)
       call list_updates(pattern)
-      allocate (pattern%place(size(ends, 2)), source=0)
-      do j = 1, size(ends, 2)
-         if (any(ends(:, j) == 0)) cycle
-         associate (a => pattern%column(ends(1, j)), b => pattern%column(ends(2, j)))
-            if (a > 0 .and. b > 0 .and. a /= b) pattern%place(j) = &
-               find_block(pattern, max(a, b), min(a, b))
-         end associate
-      end do
    end subroutine new_pattern
+
+   !> The block of node a, rows, and node b, columns; < 0: there is its transpose
+   pure integer function place(pattern, a, b)
+      type(pattern_t), intent(in) :: pattern
+      integer, intent(in) :: a, b
+
+      associate (i => pattern%column(a), j => pattern%column(b))
+         place = sign(find_block(pattern, max(i, j), min(i, j)), i - j)
+      end associate
+   end function place
+
+   !> One of the shorter list
+   pure logical function coupled(near, a, b)
+      type(list_t), intent(in) :: near(:)
+      integer, intent(in) :: a, b
+
+      if (near(a)%n <= near(b)%n) then
+         coupled = holds(near(a), b)
+      else
+         coupled = holds(near(b), a)
+      end if
+   end function coupled
 
    !> Order by least degree, and the neighbours that each has when its turn comes
    pure subroutine eliminate(near, order, below)
@@ -89,10 +82,10 @@ contains
       integer :: i, j, k, now
 
       gone = .false.
-      allocate (queue%head(0:size(near)), source=0)
+      allocate (queue%head(0:size(near)), queue%tail(0:size(near)), source=0)
       allocate (queue%next(size(near)), queue%previous(size(near)), queue%degree(size(near)), &
          source=0)
-      do i = size(near), 1, -1
+      do i = 1, size(near)
          call put(i, near(i)%n, queue)
       end do
       do i = 1, size(near)
@@ -107,11 +100,7 @@ contains
                call move(a, queue%degree(a) - 1, queue)
                do k = 1, j - 1
                   associate (b => below(now)%at(k))
-                     if (near(a)%n <= near(b)%n) then
-                        if (holds(near(a), b)) cycle
-                     else if (holds(near(b), a)) then
-                        cycle
-                     end if
+                     if (coupled(near, a, b)) cycle
                      call add(b, near(a))
                      call add(a, near(b))
                      call move(a, queue%degree(a) + 1, queue)
@@ -149,16 +138,20 @@ contains
       list%at(list%n) = value
    end subroutine add
 
-   !> Into the ring of its degree
+   !> To the end of the list of its degree
    pure subroutine put(i, degree, queue)
       integer, intent(in) :: i, degree
       type(queue_t), intent(inout) :: queue
 
       queue%degree(i) = degree
-      queue%previous(i) = 0
-      queue%next(i) = queue%head(degree)
-      if (queue%next(i) > 0) queue%previous(queue%next(i)) = i
-      queue%head(degree) = i
+      queue%next(i) = 0
+      queue%previous(i) = queue%tail(degree)
+      if (queue%previous(i) > 0) then
+         queue%next(queue%previous(i)) = i
+      else
+         queue%head(degree) = i
+      end if
+      queue%tail(degree) = i
       queue%least = min(queue%least, degree)
    end subroutine put
 
@@ -166,12 +159,18 @@ contains
       integer, intent(in) :: i
       type(queue_t), intent(inout) :: queue
 
-      if (queue%previous(i) > 0) then
-         queue%next(queue%previous(i)) = queue%next(i)
-      else
-         queue%head(queue%degree(i)) = queue%next(i)
-      end if
-      if (queue%next(i) > 0) queue%previous(queue%next(i)) = queue%previous(i)
+      associate (before => queue%previous(i), after => queue%next(i), degree => queue%degree(i))
+         if (before > 0) then
+            queue%next(before) = after
+         else
+            queue%head(degree) = after
+         end if
+         if (after > 0) then
+            queue%previous(after) = before
+         else
+            queue%tail(degree) = before
+         end if
+      end associate
    end subroutine leave
 
    pure subroutine move(i, degree, queue)
@@ -195,8 +194,8 @@ contains
    end subroutine take
 
    !> Rows of each column, ascending
-   pure subroutine list_blocks(order, place_of, below, pattern)
-      integer, intent(in) :: order(:), place_of(:)
+   pure subroutine list_blocks(order, below, pattern)
+      integer, intent(in) :: order(:)
       type(list_t), intent(in) :: below(:)
       type(pattern_t), intent(inout) :: pattern
 
@@ -211,7 +210,7 @@ contains
       do i = 1, pattern%n
          if (below(order(i))%n == 0) cycle
          pattern%row(pattern%first(i):pattern%first(i + 1) - 1) = &
-            sort_unique(place_of(below(order(i))%at(:below(order(i))%n)))
+            sort_unique(pattern%column(below(order(i))%at(:below(order(i))%n)))
       end do
    end subroutine list_blocks
 
@@ -222,15 +221,11 @@ contains
 
       integer :: i, a, b, n
 
-      allocate (pattern%first_update(pattern%n + 1))
-      pattern%first_update(1) = 1
+      associate (number => pattern%first(2:) - pattern%first(:pattern%n))
+         allocate (pattern%update(sum(number*(number - 1)/2)))
+      end associate
+      n = 1
       do i = 1, pattern%n
-         n = pattern%first(i + 1) - pattern%first(i)
-         pattern%first_update(i + 1) = pattern%first_update(i) + n*(n - 1)/2
-      end do
-      allocate (pattern%update(pattern%first_update(pattern%n + 1) - 1))
-      do i = 1, pattern%n
-         n = pattern%first_update(i)
          do a = pattern%first(i), pattern%first(i + 1) - 1
             do b = pattern%first(i), a - 1
                pattern%update(n) = find_block(pattern, pattern%row(a), pattern%row(b))

@@ -55,7 +55,7 @@ contains
       associate (self => state%compliant)
          call velocity_sides(model, h, state, self, .true.)
          call assemble(model, state, active, .true., self, good)
-         call solve_rows(model, state, .true., self)
+         call solve_rows(model, .true., self)
          call velocity_forces(model, self)
          call put_forces(model, .false., self, state)
          call kick(model%n_lead, 1, model, spread(h, 1, model%n_lead), state)

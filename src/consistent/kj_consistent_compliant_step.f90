@@ -16,8 +16,8 @@ module kj_consistent_compliant_step
    use kj_consistent_step, only: place_nodes, reach_motions
    use kj_consistent_compliant_types, only: compliant_t
    use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate, residual, &
-      find_change, velocity_side, velocity_force
-   use kj_consistent_compliant_matrix, only: assemble, solve_rows
+      find_change, velocity_side
+   use kj_consistent_compliant_matrix, only: assemble, solve_rows, ROWS_IN_USE
    use kj_consistent_compliant_forces, only: see_joints, spring_forces, damper_rows, add_rests, &
       put_forces, close_rows, renew_locks, ALL_DOFS
    use kj_consistent_compliant_undo, only: keep_leads, restore_leads, keep_rest
@@ -26,10 +26,6 @@ module kj_consistent_compliant_step
 
    public :: compliant_step, look_ahead, prepare, put_locks, velocity_sides, velocity_forces
 
-   !> rows up to the third, or all
-   logical, parameter :: YES = .true., NO = .false.
-   logical, parameter :: ROWS_IN_USE(6, 2) = reshape([YES, YES, YES, NO, NO, NO, &
-      YES, YES, YES, YES, YES, YES], [6, 2])
    integer, parameter :: MOST_PASSES = 8
    integer, parameter :: RENEW = 8               !! steps between two looks at the stiffness bound
    real(wp), parameter :: UNLIKE = 1.6_wp        !! ratio of steps that is a jump to the joints
@@ -108,7 +104,7 @@ contains
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
-      real(wp) :: way, turn, last, change(2), force(2), scale
+      real(wp) :: left(2), last, change(2), force(2), scale
       logical :: settled, close_by
       integer :: pass
 
@@ -125,17 +121,17 @@ contains
             call put_forces(model, .true., self, state)
             call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
             call see_joints(model, state, self)
-            call find_residual(model, h, state, self, way, turn)
-            good = way <= CLOSE*self%e_way + ROUNDING*scale .and. &
-               turn <= CLOSE*self%e_turn + ROUNDING
+            call find_residual(model, h, state, self, left)
+            good = left(1) <= CLOSE*self%e_way + ROUNDING*scale .and. &
+               left(2) <= CLOSE*self%e_turn + ROUNDING
             self%passes = pass
             if (good .and. settled) return
             close_by = good
             good = .false.
-            if (pass == MOST_PASSES .or. .not. max(way/scale, turn) <= 10.0_wp*last) exit
-            last = max(way/scale, turn)
-            call solve_rows(model, state, .false., self)
-            call find_changes(model, state, self, change, force)
+            if (pass == MOST_PASSES .or. .not. max(left(1)/scale, left(2)) <= 10.0_wp*last) exit
+            last = max(left(1)/scale, left(2))
+            call solve_rows(model, .false., self)
+            call find_changes(model, self, change, force)
             force(1) = max(force(1), force(2)/scale)
             settled = change(1) <= CLOSE*force(1) + LAST_BITS*scale*self%stiffest(1) .and. &
                change(2) <= scale*CLOSE*force(1) + LAST_BITS*self%stiffest(2)
@@ -212,47 +208,40 @@ contains
       longest_step = max(h, longest - FORGET*h)
    end function longest_step
 
-   subroutine find_residual(model, h, state, self, way, turn)
+   subroutine find_residual(model, h, state, self, largest)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(in) :: state
       type(compliant_t), intent(inout) :: self
-      real(wp), intent(out) :: way, turn
+      real(wp), intent(out) :: largest(2)        !! of translations, rotations
 
       integer :: b, at
 
-      way = 0.0_wp
-      turn = 0.0_wp
+      largest = 0.0_wp
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
          do at = 1, size(self%joint(b)%block)
             call residual(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), h, &
-               state%joint(b)%block(at)%q, self%joint(b)%block(at), way, turn)
+               state%joint(b)%block(at)%q, self%joint(b)%block(at), largest)
          end do
       end do
    end subroutine find_residual
 
-   !> rows%r := the change of f that a solution asks for; the largest change and the largest force,
-   !> translations and rotations
-   subroutine find_changes(model, state, self, change, force)
+   !> The largest change rows%r of f and the largest force, translations and rotations
+   subroutine find_changes(model, self, change, force)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
-      type(compliant_t), intent(inout) :: self
+      type(compliant_t), intent(in) :: self
       real(wp), intent(out) :: change(2), force(2)
 
-      real(wp) :: rate(BLOCK, 6)
-      integer :: b, at, from, n
+      integer :: b, at
 
       change = 0.0_wp
       force = 0.0_wp
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
          do at = 1, size(self%joint(b)%block)
-            from = BLOCK*(at - 1) + 1
-            n = min(BLOCK, model%batch(b)%n - from + 1)
-            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), self%y, self%turn, from, n, &
-               state%joint(b)%block(at)%b, rate)
-            call find_change(n, self%last(b), rate, self%joint(b)%block(at), change, force)
+            call find_change(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), &
+               self%joint(b)%block(at), change, force)
          end do
       end do
    end subroutine find_changes
@@ -331,8 +320,8 @@ contains
          end if
          call velocity_sides(model, h, state, self, .false.)
          call assemble(model, state, state%active, .true., self, good)
-         self%factored = .not. self%any_damper
-         call solve_rows(model, state, .true., self)
+         self%factored = .not. self%apart
+         call solve_rows(model, .true., self)
          call velocity_forces(model, self)
          call put_forces(model, .false., self, state)
          call kick_leads(model, state%poses%h, 1, model%n_lead, state)
@@ -367,22 +356,20 @@ contains
       end do
    end subroutine velocity_sides
 
-   !> Multipliers of the velocity stage from its solution
-   subroutine velocity_forces(model, self)
+   !> Multipliers of the velocity stage from its solution, and the rest of the dampers
+   pure subroutine velocity_forces(model, self)
       type(consistent_model_t), intent(in) :: model
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: rate(BLOCK, 6)
-      integer :: b, at, from, n
+      integer :: b, at, n
 
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
          do at = 1, size(self%joint(b)%block)
-            from = BLOCK*(at - 1) + 1
-            n = min(BLOCK, model%batch(b)%n - from + 1)
-            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), self%y, self%turn, from, n, &
-               self%joint(b)%block(at)%b, rate)
-            call velocity_force(n, self%last(b), rate, self%joint(b)%block(at))
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            associate (rows => self%joint(b)%block(at), last => self%last(b))
+               rows%g(:n, :last) = rows%r(:n, :last) + rows%rest(:n, :last)
+            end associate
          end do
       end do
    end subroutine velocity_forces

@@ -1,5 +1,5 @@
-!> What the integrator `compliant` keeps: multipliers of the joints, the sparse matrix of the
-!> bodies, and the poses that a step starts from.
+!> What the integrator `compliant` keeps: multipliers of the joints, their sparse matrix, and the
+!> poses that a step starts from.
 !> Source: docs/theory/compliant.md.
 module kj_consistent_compliant_types
    use kj_kinds, only: wp
@@ -9,8 +9,8 @@ module kj_consistent_compliant_types
    implicit none
    private
 
-   public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, leads_then_t, then_t, &
-      compliant_t, coefficients_t
+   public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, end_t, link_t, tie_t, &
+      damper_t, leads_then_t, then_t, compliant_t
 
    !> A block of joints. Rows that are not implicit have weight 0.
    type :: compliant_block_t
@@ -22,6 +22,7 @@ module kj_consistent_compliant_types
       real(wp) :: phi(BLOCK, 6) = 0.0_wp         !! c/(h k + c)
       real(wp) :: weight(BLOCK, 6) = 0.0_wp      !! h/2 (h k + c)
       real(wp) :: damp(BLOCK, 6) = 0.0_wp        !! h/2 c of explicit rows with dampers
+      real(wp) :: soft(BLOCK, 6) = 0.0_wp        !! 1/(weight + damp) of the matrix that there is
       real(wp) :: f(BLOCK, 6) = 0.0_wp           !! multipliers of the position stage
       real(wp) :: f_last(BLOCK, 6) = 0.0_wp      !! that of the last step
       real(wp) :: f_before(BLOCK, 6) = 0.0_wp    !! that of the step before
@@ -43,33 +44,44 @@ module kj_consistent_compliant_types
       type(compliant_block_t), allocatable :: block(:)
    end type compliant_joint_t
 
-   !> Coefficients of a block of joints in the matrix of the bodies, sums over rows k of weight
-   !> times row times row; rows of end 1 are (-f, -c), of end 2 (f, -m), see
-   !> kj_consistent_compliance
-   type :: coefficients_t
-      sequence
-      real(wp) :: ff(BLOCK, 9), fc(BLOCK, 9), cc(BLOCK, 9), fm(BLOCK, 9), mm(BLOCK, 9), &
-         mc(BLOCK, 9), tt(BLOCK, 9)
-   end type coefficients_t
-
-   !> Where the blocks of the Cholesky factor stand. Columns are bodies in the order of elimination.
+   !> Where the blocks of the factor stand. Nodes are three unknowns each, columns the nodes in the
+   !> order of elimination.
    type :: pattern_t
-      integer :: n = 0                           !! moving bodies that joints hold
-      integer, allocatable :: column(:)          !! (n_lead) of each lead, 0 = none
-      integer, allocatable :: lead(:)            !! (n) of each column
+      integer :: n = 0
+      integer, allocatable :: column(:)          !! (n) of each node
       integer, allocatable :: first(:)           !! (n + 1) first block below each diagonal
       integer, allocatable :: row(:)             !! (blocks) column that the row belongs to
-      integer, allocatable :: update(:)          !! where products of blocks of a column go
-      integer, allocatable :: first_update(:)    !! (n + 1)
-      integer, allocatable :: place(:)           !! (n_element) block of each joint, 0 = none
+      integer, allocatable :: update(:)          !! where products of blocks of columns go
    end type pattern_t
 
-   !> The matrix of the bodies and its factor
+   !> The matrix and its factor, blocks of 3 x 3 with a row of zeros, which makes them whole vectors
    type :: factor_t
-      real(wp), allocatable :: diagonal(:, :, :) !! (6, 6, n)
-      real(wp), allocatable :: below(:, :, :)    !! (6, 6, blocks)
-      real(wp), allocatable :: x(:, :)           !! (6, n) right-hand side and solution
+      real(wp), allocatable :: diagonal(:, :, :) !! (4, 3, n) lower triangles
+      real(wp), allocatable :: below(:, :, :)    !! (4, 3, blocks)
+      real(wp), allocatable :: sign(:)           !! (n) of the diagonal: bodies have -1
+      real(wp), allocatable :: x(:, :)           !! (4, n) right-hand side and solution
    end type factor_t
+
+   !> An end of a joint
+   type :: end_t
+      integer :: batch = 0, at = 0, lane = 0     !! where the joint stands
+      integer :: which = 0, lead = 0             !! 1 or 2, and the body there
+      integer :: node = 0                        !! of translations; rotations: the next; 0 = none
+   end type end_t
+
+   !> A body between two joints, which is no node: what it couples. A block is that of the rows of
+   !> the first and the columns of the second, translations and rotations; < 0: its transpose
+   type :: link_t
+      type(end_t) :: end(2)
+      integer :: place(2, 2) = 0
+   end type link_t
+
+   !> An end of a joint at a body that is a node: blocks of its translations and the velocity, its
+   !> translations and the angular velocity, its rotations and that
+   type :: tie_t
+      type(end_t) :: end
+      integer :: place(3) = 0
+   end type tie_t
 
    !> Leads at the start of a step
    type :: leads_then_t
@@ -96,6 +108,12 @@ module kj_consistent_compliant_types
       type(gravity_t), allocatable :: field(:)
    end type then_t
 
+   !> A row with a damper that is not implicit otherwise
+   type :: damper_t
+      integer :: batch = 0, at = 0, lane = 0, row = 0
+      integer :: column = 0, part = 0            !! where it stands in a solution
+   end type damper_t
+
    !> All of it
    type :: compliant_t
       logical :: rigid = .false.                 !! Kn = infinity
@@ -104,6 +122,19 @@ module kj_consistent_compliant_types
       type(compliant_joint_t), allocatable :: joint(:)
       type(pattern_t) :: pattern
       type(factor_t) :: factor
+      type(link_t), allocatable :: link(:)
+      type(tie_t), allocatable :: tie(:)
+      !> these, where they are few: then the matrix of a velocity stage, which has them, serves the
+      !> next position stage, and what unit forces on them do is taken out of its solutions
+      type(damper_t), allocatable :: damper(:)
+      real(wp), allocatable :: response(:, :, :) !! (4, n, dampers)
+      integer, allocatable :: node(:)            !! (n_element) of translations, 0 = no rows
+      integer, allocatable :: across(:)          !! (n_element) block of rotations, translations
+      integer, allocatable :: hub(:)             !! leads that are nodes
+      integer, allocatable :: body(:)            !! (n_lead) node of the velocity of these, 0 = none
+      !> (n_lead) of the other leads: inverse mass, and what makes one of poses%ij; 0 for these
+      real(wp), allocatable :: im(:), share(:)
+      real(wp), allocatable :: ij(:, :)          !! (n_lead, 6) as poses%ij
       type(leads_then_t) :: start
       type(then_t) :: then
       real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities
@@ -119,7 +150,8 @@ module kj_consistent_compliant_types
       !> (3, 3, 2, n_lead) projector on the free directions of these, translations and rotations
       real(wp), allocatable :: free(:, :, :, :)
       logical :: factored = .false.              !! the matrix of position stages is there
-      logical :: any_damper = .false.            !! rows of dampers: the stages differ
+      logical :: any_damper = .false.            !! rows of dampers
+      logical :: apart = .false.                 !! so many that the stages have their own matrices
       real(wp) :: h_factor = 0.0_wp              !! step of it
       real(wp) :: h_last = 0.0_wp                !! last step, 0 = none
       real(wp) :: h_stiff = 0.0_wp               !! longest step of late, for the stiffness bound
