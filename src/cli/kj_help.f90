@@ -1,4 +1,5 @@
-!> `kjoint help`: the program, one command, the cards of a keyword, or one message explained.
+!> `kjoint help` and `kjoint list`: what the tables of the program say, as lines or as JSON.
+!> One file: help and list show the same tables
 module kj_help
    use kj_error, only: error_t, fail, ERR_INPUT, str
    use kj_version, only: KJOINT_VERSION
@@ -6,7 +7,8 @@ module kj_help
    use kj_card_page, only: find_keyword_page, print_keyword_page
    use kj_message, only: messages, find_message
    use kj_option, only: commands, option_t, option, has_option, N_OPTION
-   use kj_spelling, only: did_you_mean
+   use kj_engine_text, only: engine_words, find_engine_word
+   use kj_spelling, only: did_you_mean, upper
    use kj_words, only: buffer_t, add, json_member, comma, json_pair, json_text, json_list
    use kj_terminal, only: print_line
    use kj_units, only: dimensions
@@ -31,6 +33,9 @@ module kj_help
 
    character(len=*), parameter :: BEGIN = '{"exit_code": 0, ', NL = new_line('a')
 
+   !> By ENGINE_ constant
+   character(len=36), parameter :: ENGINE_STATUS(3) = [character(len=36) :: 'read', &
+      'has no effect here', 'not supported: this would be needed']
    integer, parameter :: WIDTH = 90              !! of paragraphs
 
 contains
@@ -86,9 +91,14 @@ contains
          return
       end do
       i = 0
+      k = 0
       if (index(topic, '/') == 1) i = find_keyword_page(topic)
+      if (index(topic, '/') == 1) k = engine_row(topic)
       if (i > 0) then
          call print_keyword_page(i)
+      else if (k > 0) then
+         call print_line(upper(topic)//' of the engine deck: '//trim(engine_words(k)%meaning))
+         call print_line('   '//trim(ENGINE_STATUS(engine_words(k)%status)))
       else if (index(topic, '/') == 1) then
          call fail(error, ERR_INPUT, 'there is no keyword "'//topic//'"')
          error%hint = trim(nearest_keyword(topic))
@@ -98,6 +108,13 @@ contains
          call print_message(topic, error)
       end if
    end subroutine print_help_on
+
+   !> Row of a keyword of the engine deck, /DT/NODA say; 0 = none
+   pure integer function engine_row(topic) result(row)
+      character(len=*), intent(in) :: topic
+
+      row = find_engine_word(upper(topic(2:index(topic(2:)//'/', '/'))))
+   end function engine_row
 
    subroutine print_options(command)
       integer, intent(in) :: command
@@ -141,6 +158,7 @@ contains
       if (row == 0) then
          call fail(error, ERR_INPUT, 'there is no command and no message "'//topic//'"')
          error%hint = trim(did_you_mean(topic, commands%name))
+         if (find_keyword_page('/'//topic) > 0) error%hint = 'did you mean /'//upper(topic)//'?'
          return
       end if
       call print_line(trim(messages(row)%id)//': '//trim(messages(row)%title))
@@ -203,7 +221,13 @@ contains
          call add(b, NL//']}')
       else if (index(topic, '/') == 1) then
          row = find_keyword_page(topic)
-         if (row == 0) return
+         if (row == 0) then
+            row = engine_row(topic)
+            if (row > 0) call add(b, BEGIN//json_member('keyword', upper(topic))//', '// &
+               json_member('status', trim(ENGINE_STATUS(engine_words(row)%status)))//', '// &
+               json_member('meaning', trim(engine_words(row)%meaning))//'}')
+            return
+         end if
          call add(b, BEGIN//keyword_members(row)//', "fields": [')
          call add_fields(keyword_of(row), b)
          call add(b, NL//']}')

@@ -7,7 +7,7 @@ module kj_diff_report
    use kj_channels, only: channels, CH_TIME
    use kj_metrics, only: metrics
    use kj_diff_types, only: diff_options_t, diff_result_t, channel_result_t
-   use kj_words, only: buffer_t, add, left, short, few, escaped, json_member, json_pair, &
+   use kj_words, only: buffer_t, add, left, counted, short, few, escaped, json_member, json_pair, &
       json_text, json_list, comma
    use kj_text, only: text_t
    implicit none
@@ -28,10 +28,10 @@ contains
       type(buffer_t) :: b
       integer :: i
 
-      call add(b, 'REF '//result%ref_path//', '//str(result%n_ref)//' samples'//NL)
-      call add(b, 'RUN '//result%run_path//', '//str(result%n_run)//' samples'//NL)
+      call add(b, 'REF '//result%ref_path//', '//counted(result%n_ref, 'sample', 'samples')//NL)
+      call add(b, 'RUN '//result%run_path//', '//counted(result%n_run, 'sample', 'samples')//NL)
       call add(b, 'profile '//trim(result%profile%name)//', '//tolerance_text(result, options)// &
-         ', '//str(result%n_sample)//' samples compared'//NL//NL)
+         ', '//counted(result%n_sample, 'sample', 'samples')//' compared'//NL//NL)
       call add_classes(result, b)
       if (result%n_worst > 0) then
          call add(b, NL//'largest differences, of their tolerances'//NL)

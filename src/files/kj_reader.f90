@@ -183,7 +183,7 @@ contains
       end if
       allocate (names(1), values(1))
       names(1)%s = 'made by'
-      values(1)%s = reader%t01%origin
+      values(1)%s = trim(adjustl(reader%t01%origin))
    end subroutine read_facts
 
    !> Close; nothing happens when it is not open
@@ -210,9 +210,12 @@ contains
       type(history_t) :: history
       type(error_t), allocatable :: closing
       real(wp), allocatable :: row(:)
-      logical :: more
+      logical :: more, is_h5
 
-      call open_t01(t01_path, reader%t01, history, reader%n_row, error)
+      call look_at_magic(t01_path, is_h5, error)
+      if (is_h5) call fail(error, ERR_FILE, t01_path//' is a history of kjoint already')
+      if (.not. allocated(error)) &
+         call open_t01(t01_path, reader%t01, history, reader%n_row, error)
       if (allocated(error)) return
       reader%kind = KIND_T01
       call sink%open(history, error)

@@ -571,6 +571,7 @@ class Diff(Program):
         self.kjoint("convert", self.t01, "-o", "c.h5")
         self.assertIn("joint/force", self.kjoint("info", "c.h5").stdout)
         self.kjoint("convert", "nowhere", code=3)
+        self.assertIn("a history of kjoint already", self.kjoint("convert", "c.h5", code=3).stderr)
 
 
 class Errors(Program):
@@ -762,6 +763,18 @@ class Learn(Program):
 
     def test_an_unknown_keyword_gets_its_neighbour(self):
         self.assertIn("did you mean /GRAV?", self.kjoint("help", "/GRAF", code=2).stderr)
+        self.assertIn("did you mean /GRAV?", self.kjoint("help", "grav", code=2).stderr)
+
+    def test_keywords_of_the_engine_deck_are_known(self):
+        for word, meaning, status in (("/RUN", "run number and end of the run", "read"),
+                                      ("/dt/noda", "factor and least value of the time step", "read"),
+                                      ("/ANIM/DT", "animation files: not written", "has no effect here"),
+                                      ("/IMPL", "implicit solution", "not supported")):
+            page = self.kjoint("help", word).stdout
+            self.assertTrue(page.startswith(f"{word.upper()} of the engine deck: {meaning}\n   {status}"), page)
+            told = json.loads(self.kjoint("help", word, "--json").stdout)
+            self.assertEqual((0, word.upper(), meaning), (told["exit_code"], told["keyword"], told["meaning"]))
+        self.kjoint("help", "/RUNAWAY", code=2)
 
     def test_new_decks_are_those_that_are_shipped(self):
         kinds = [line.split()[0] for line in self.kjoint("new").stdout.splitlines()[1:]]
