@@ -36,6 +36,7 @@ contains
       type(error_t), allocatable :: error
       type(finding_list_t) :: findings
       character(len=:), allocatable :: text, topic
+      integer :: i
       character :: machine(16)
 
       call get_words(words)
@@ -92,7 +93,7 @@ contains
       end if
       if (.not. allocated(error)) return
       code = error%code
-      if (any_is(words, '--json')) then
+      if (any([(words(i)%s == '--json', i=1, size(words))])) then
          call add_finding(findings, error)
          call print_line('{'//json_member('exit_code', code)//', '// &
             json_findings(findings)//'}')
@@ -100,19 +101,6 @@ contains
          call print_failure(error)
       end if
    end subroutine run_cli
-
-   !> One of the words is this
-   pure logical function any_is(words, word)
-      type(word_t), intent(in) :: words(:)
-      character(len=*), intent(in) :: word
-
-      integer :: i
-
-      any_is = .false.
-      do i = 1, size(words)
-         any_is = any_is .or. words(i)%s == word
-      end do
-   end function any_is
 
    subroutine get_words(words)
       type(word_t), allocatable, intent(out) :: words(:)

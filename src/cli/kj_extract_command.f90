@@ -31,7 +31,8 @@ contains
 
       engine = ''
       if (args%n_operand == 2) engine = args%operand(2)%s
-      path = output_path(args)
+      path = stem_of(args%operand(1)%s)//'_mech_0000.rad'
+      if (args%given(OPT_OUTPUT)) path = args%value(OPT_OUTPUT)%s
       call take_run_options(args, options, error)
       if (.not. allocated(error)) call extract_mechanism(args%operand(1)%s, engine, options, &
          report, findings)
@@ -54,15 +55,6 @@ contains
       call print_failure(error)
       if (well .and. .not. args%given(OPT_QUIET)) call print_report(args%operand(1)%s, path, report)
    end subroutine extract_command
-
-   !> What -o says, else ROOT_mech_0000.rad of ROOT_0000.rad, here
-   function output_path(args) result(path)
-      type(arguments_t), intent(in) :: args
-      character(len=:), allocatable :: path
-
-      path = stem_of(args%operand(1)%s)//'_mech_0000.rad'
-      if (args%given(OPT_OUTPUT)) path = args%value(OPT_OUTPUT)%s
-   end function output_path
 
    !> MECH_0000.rad -> MECH_0001.rad
    pure function engine_path(path) result(engine)

@@ -209,6 +209,7 @@ contains
       integer, intent(in) :: block              !! index, 1 to n_block
       type(th_t), intent(out) :: th
 
+      character(len=10) :: field
       integer :: line, keyword
 
       keyword = deck%block(block)%keyword
@@ -224,7 +225,11 @@ contains
       if (keyword == KW_TH_NODE .or. keyword == KW_TH_SPRING) then
          call read_objects(deck, line, deck%block(block)%last, keyword == KW_TH_NODE, th)
       else
-         if (line <= deck%block(block)%last) th%all = first_is_zero(line_text(deck, line))
+         if (line <= deck%block(block)%last) then   ! the first field of ten columns
+            field = line_text(deck, line)
+            if (index(field, ',') > 0) field = field(:index(field, ',') - 1)
+            th%all = adjustl(field) == '0'
+         end if
          call read_id_lines(deck, line, deck%block(block)%last, 10, 1, th%object)
          deallocate (th%skew)
          allocate (th%skew(th%object%n), source=0)
@@ -334,16 +339,5 @@ contains
       end do
       th%skew = skew(:n)
    end subroutine read_objects
-
-   !> The first field of ten columns is the number 0
-   pure logical function first_is_zero(text) result(is_zero)
-      character(len=*), intent(in) :: text
-
-      character(len=10) :: field
-
-      field = text
-      if (index(field, ',') > 0) field = field(:index(field, ',') - 1)
-      is_zero = adjustl(field) == '0'
-   end function first_is_zero
 
 end module kj_card_lists

@@ -183,7 +183,7 @@ contains
       logical, intent(in) :: value
       character(len=:), allocatable :: json
 
-      json = json_pair(name, json_logical(value))
+      json = json_pair(name, trim(merge('true ', 'false', value)))
    end function logical_member
 
    !> "name": value, where the value is JSON already
@@ -271,14 +271,6 @@ contains
       end do
       json = json//']'
    end function list_of_texts
-
-   !> true or false
-   pure function json_logical(value) result(json)
-      logical, intent(in) :: value
-      character(len=:), allocatable :: json
-
-      json = trim(merge('true ', 'false', value))
-   end function json_logical
 
    !> A comma after all but the last of n
    pure function comma(i, n) result(text)

@@ -175,7 +175,11 @@ contains
          associate (variable => history%variable(v))
             if (channels(variable%channel)%owner /= owner) cycle
             code = channels(variable%channel)%t01
-            if (owner == OF_SPRING) code = code_as_joint(variable%channel)
+            if (owner == OF_SPRING) then         ! a T01 has springs and joints in one kind of group
+               code = 0
+               k = find_channel(OF_JOINT, trim(channels(variable%channel)%name))
+               if (k > 0) code = channels(k)%t01
+            end if
             if (code == 0) cycle
             at = variable%first + (e - 1)*variable%n_comp
             if (any(ieee_is_nan(first_row(at:at + variable%n_comp - 1)))) cycle
@@ -185,18 +189,6 @@ contains
          end associate
       end do
    end subroutine find_places
-
-   !> A T01 has springs and joints in one kind of group: the code of the joint's channel of this
-   !> name
-   pure integer function code_as_joint(channel) result(code)
-      integer, intent(in) :: channel
-
-      integer :: row
-
-      row = find_channel(OF_JOINT, trim(channels(channel)%name))
-      code = 0
-      if (row > 0) code = channels(row)%t01
-   end function code_as_joint
 
    ! ---- records
 

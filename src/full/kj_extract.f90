@@ -45,7 +45,9 @@ contains
 
       integer :: unit
 
-      unit = work_unit(draft%deck)
+      unit = 0                                   ! where the work units are the input units
+      if (any(abs(draft%deck%input%si - draft%deck%work%si) > 0.0_wp)) &
+         unit = maxval([0, draft%deck%unit_id(:draft%deck%n_unit)]) + 1
       call write_head(draft%deck, unit, page)
       call write_nodes(draft, model, keep, unit, page)
       call write_bodies(draft, model, unit, kept, spring_mass, spring_inertia, page)
@@ -57,15 +59,6 @@ contains
       call write_requests(draft, keep, page)
       call put(page, '/END')
    end subroutine write_mechanism
-
-   !> Id of a /UNIT with the work units; 0 where the input units are the same
-   pure integer function work_unit(deck) result(unit)
-      type(deck_t), intent(in) :: deck
-
-      unit = 0
-      if (all(abs(deck%input%si - deck%work%si) <= 0.0_wp)) return
-      unit = maxval([0, deck%unit_id(:deck%n_unit)]) + 1
-   end function work_unit
 
    pure integer function suffix_length(unit) result(n)
       integer, intent(in) :: unit
@@ -227,7 +220,7 @@ contains
 
       main_of(draft%main_of(kept)) = [(i, i=1, size(kept))]
       call new_lookup(draft%body(kept), of_body)
-      next = free_group(draft)
+      next = max(1, maxval([0, draft%group%id]) + 1)   ! ids from here on name no group
       do b = 1, model%n_body
          main = main_of(b)
          if (main == 0) cycle
@@ -252,14 +245,6 @@ contains
          next = next + 1
       end do
    end subroutine write_bodies
-
-   !> Ids from here on name no group
-   pure integer function free_group(draft) result(id)
-      type(draft_t), intent(in) :: draft
-
-      id = 1
-      if (size(draft%group%id) > 0) id = max(1, maxval(draft%group%id) + 1)
-   end function free_group
 
    subroutine write_group(draft, id, title, node, page)
       type(draft_t), intent(in) :: draft

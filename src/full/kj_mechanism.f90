@@ -68,8 +68,9 @@ contains
          call build_full_draft(draft, scales, element_mass, model)
          call check_unweighed(draft, scales)
       end if
-      if (draft%deck%findings%n_error == count_late(draft%deck%findings) .and. &
-         draft%deck%readable) then
+      ! bodies that a sensor makes later, an error, can be weighed all the same
+      if (draft%deck%findings%n_error == count([(draft%deck%findings%item(i)%id == 'KJ-9116', &
+         i=1, draft%deck%findings%n)]) .and. draft%deck%readable) then
          call decide(draft, element_mass, keep)
          kept = pack([(i, i=1, draft%n_node)], keep%node)
          call weigh_kept_springs(draft, scales, keep, kept, spring_mass, spring_inertia)
@@ -91,14 +92,6 @@ contains
          report%input(i)%s = deck%source(files(i))%path
       end do
    end subroutine take_mechanism
-
-   !> Errors of bodies that a sensor makes later: these can be weighed all the same
-   pure integer function count_late(findings) result(n)
-      type(finding_list_t), intent(in) :: findings
-
-      n = 0
-      if (findings%n > 0) n = count(findings%item(:findings%n)%id == 'KJ-9116')
-   end function count_late
 
    !> Leave out what the full deck was told before: the format version, its units
    subroutine leave_repeats(n_full, findings)

@@ -425,6 +425,7 @@ contains
 
       integer, parameter :: SKEW = 8             !! column of skew_id in the rows of /SPRING
       integer :: e, lead(2)
+      logical :: moving
 
       spring%skew(1) = p%skew(1)
       if (spring%card%ints(SKEW) /= 0) then
@@ -434,7 +435,10 @@ contains
             known_ids(draft%skew, 'skew'))
       end if
       spring%rule = FRAME_FIXED
-      if (is_moving(draft, spring%skew(1))) then
+      moving = spring%skew(1) > 0                ! it follows nodes, all of them known
+      if (moving) moving = draft%skews%dir(spring%skew(1)) > 0 .and. &
+         all(draft%skews%node(:, spring%skew(1)) > 0)
+      if (moving) then
          lead = model%lead(spring%node)
          spring%rule = FRAME_APART
          do e = 2, 1, -1
@@ -450,16 +454,6 @@ contains
          ' asks for a couple (Iequil = 1), and the axes of the spring are fixed in space', &
          'a spring with fixed axes')
    end subroutine choose_skew
-
-   !> A skew that follows nodes, all of them known
-   pure logical function is_moving(draft, skew) result(moving)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: skew                !! index, 0 = global
-
-      moving = .false.
-      if (skew == 0) return
-      if (draft%skews%dir(skew) > 0) moving = all(draft%skews%node(:, skew) > 0)
-   end function is_moving
 
    !> Law signature, and the largest stiffness and damping for the time step
    pure subroutine put_laws(curves, p, spring)

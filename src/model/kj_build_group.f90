@@ -311,7 +311,7 @@ contains
       type(node_list_t), intent(inout) :: list
 
       type(filter_t) :: filter
-      integer :: k, before, i
+      integer :: k, before, box, i
       logical :: known
       logical, allocatable :: part(:)
 
@@ -331,8 +331,11 @@ contains
                filter%part = filter%part .or. part
                deallocate (part)
             case (A_BOX)
-               known = find(draft%boxes%id, id) > 0
-               if (known) call add_box(draft, find(draft%boxes%id, id), list)
+               box = find(draft%boxes%id, id)
+               known = box > 0
+               do i = 1, merge(draft%n_node, 0, known)
+                  if (is_inside(draft, box, draft%x(i, :))) call add_node(i, list)
+               end do
             case (A_GROUP)
                known = find(draft%group, id) > 0
                if (known) call take_group(draft, group, find(draft%group, id), ids, k, list)
@@ -512,18 +515,5 @@ contains
          if (other > 0) call take_group(draft, group, other, ids, k, list)
       end do
    end subroutine take_body
-
-   !> Append the nodes in a box, its faces included
-   pure subroutine add_box(draft, box, list)
-      type(draft_t), intent(in) :: draft
-      integer, intent(in) :: box
-      type(node_list_t), intent(inout) :: list
-
-      integer :: i
-
-      do i = 1, draft%n_node
-         if (is_inside(draft, box, draft%x(i, :))) call add_node(i, list)
-      end do
-   end subroutine add_box
 
 end module kj_build_group
