@@ -58,7 +58,6 @@ module kj_host
    type :: joint_set_t
       logical :: made = .false., started = .false.
       logical :: legacy = .false.
-      logical :: of_deck = .false.               !! joints come from a deck
       logical :: by_component = .false.          !! host arrays are (n, 3), else (3, n)
       integer :: n_host = 0                      !! nodes of the host
       type(joint_spec_t), allocatable :: spec(:) !! (>= n_spec) joints until they are started

@@ -29,7 +29,7 @@ module kj_export_command
    implicit none
    private
 
-   public :: export_command, channel_names, diff_command, convert_command, watch_command
+   public :: export_command, diff_command, convert_command, watch_command
 
    integer, parameter :: MOST_DRAWN = 6          !! channels in the picture of a difference
 
@@ -72,9 +72,9 @@ contains
       if (allocated(error)) return
       select case (form)
       case ('csv')
-         call export_csv(args%operand(1)%s, channel_names(args, 2), separator, decimal, text, error)
+         call export_csv(args%operand(1)%s, channel_names(args), separator, decimal, text, error)
       case ('json')
-         call export_json(args%operand(1)%s, channel_names(args, 2), text, error)
+         call export_json(args%operand(1)%s, channel_names(args), text, error)
       case ('t01')
          if (output == '-') then
             call fail(error, ERR_INPUT, 'a T01 needs a file to be written to: -o RUNT01')
@@ -111,15 +111,14 @@ contains
    end subroutine export_command
 
    !> The operands from `first` on with blanks between them, as kj_series takes them
-   pure function channel_names(args, first) result(names)
+   pure function channel_names(args) result(names)
       type(arguments_t), intent(in) :: args
-      integer, intent(in) :: first
       character(len=:), allocatable :: names
 
       integer :: i
 
       names = ''
-      do i = first, args%n_operand
+      do i = 2, args%n_operand
          names = names//' '//args%operand(i)%s
       end do
    end function channel_names
@@ -311,7 +310,7 @@ contains
       do
          written = is_written(place_of_run(args%operand(1)%s))
          if (allocated(error)) deallocate (error)
-         call look(place_of_run(args%operand(1)%s), channel_names(args, 2), status, line, error)
+         call look(place_of_run(args%operand(1)%s), channel_names(args), status, line, error)
          if (allocated(error)) then
             failures = failures + 1
             if (failures > MOST_FAILURES .or. error%code /= ERR_FILE .or. shown == '') exit

@@ -257,21 +257,21 @@ contains
          if (.not. second) call take_run(deck, words, header, last, engine)
       case ('VERS')
          second = engine%version /= 0
-         if (.not. second) engine%version = word_integer(deck, header, words, 2, 0)
+         if (.not. second) engine%version = word_integer(deck, header, words, 2)
          if (engine%version < 18) call report_line(deck, header, SEV_ERROR, 'KJ-E196', &
             'the version is below 18', 'expected: 2022')
       case ('TFILE')
          second = engine%has_tfile
          if (.not. second) then
             engine%has_tfile = .true.
-            engine%th_type = word_integer(deck, header, words, 2, 0)
+            engine%th_type = word_integer(deck, header, words, 2)
             call read_values(deck, header, last, 1, 1, value)
             call refuse_negative(deck, header, last, value(:1))
             engine%th_dt = round10(value(1))
          end if
       case ('PRINT')
          second = engine%print_every /= 0
-         if (.not. second) engine%print_every = word_integer(deck, header, words, 2, 0)
+         if (.not. second) engine%print_every = word_integer(deck, header, words, 2)
       case ('DT')
          call take_dt(deck, words, header, last, severity, engine, second)
       case ('DTIX')
@@ -320,7 +320,7 @@ contains
 
       engine%has_run = .true.
       engine%run_name = words%word(2)
-      engine%run_number = word_integer(deck, header, words, 3, 0)
+      engine%run_number = word_integer(deck, header, words, 3)
       if (engine%run_number <= 0) call report_line(deck, header, SEV_ERROR, 'KJ-E195', &
          'the run number is not positive', 'expected: /RUN/name/1')
       call read_values(deck, header, last, 1, 1, value)
@@ -467,7 +467,7 @@ contains
       integer :: version
 
       if (words%word(2) /= 'VERS') return
-      version = word_integer(deck, header, words, 3, 0)
+      version = word_integer(deck, header, words, 3)
       if (version < 40) call report_line(deck, header, SEV_ERROR, 'KJ-E198', &
          'version '//str(version)//' of the T01 file does not exist', 'expected: 40 or more')
    end subroutine check_th_version

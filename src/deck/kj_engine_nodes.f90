@@ -66,9 +66,9 @@ contains
          act%dof(i + shift) = index(words%word(3), LETTERS(i:i)) > 0
       end do
       n = 0                                      ! lines before the nodes
-      if (act%what == 'BCS') act%axes = word_integer(deck, header, words, 4, 0)
+      if (act%what == 'BCS') act%axes = word_integer(deck, header, words, 4)
       if (act%what == 'INIV') then
-         act%by = word_integer(deck, header, words, 4, 0)
+         act%by = word_integer(deck, header, words, 4)
          n = 1
          if (words%word(2) == 'AXIS') then
             n = 2

@@ -209,22 +209,21 @@ contains
       end do
    end subroutine split_words
 
-   !> A word of a header as an integer; `default` when there is no such word
-   integer function word_integer(deck, line, words, k, default) result(value)
+   !> A word of a header as an integer; 0 when there is no such word
+   integer function word_integer(deck, line, words, k) result(value)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: line               !! of the header
       type(engine_line_t), intent(in) :: words
       integer, intent(in) :: k                  !! which word
-      integer, intent(in) :: default
 
       integer :: status
 
       call parse_integer(trim(words%word(k)), value, status)
-      if (status == NUMBER_BLANK) value = default
-      if (status == NUMBER_FINE .or. status == NUMBER_BLANK) return
+      if (status == NUMBER_FINE) return
+      value = 0
+      if (status == NUMBER_BLANK) return
       call add_deck_finding(deck, line, words%first(k), words%last(k), SEV_ERROR, 'KJ-9002', &
          '"'//trim(words%word(k))//'" is not an integer', 'expected: an integer')
-      value = default
    end function word_integer
 
    !> Read up to `most` reals from the first data line of a block, as a list-directed read does
@@ -266,12 +265,11 @@ contains
    end subroutine read_values
 
    !> Append a finding that points at the k-th item of the data line of a block
-   subroutine report_value(deck, header, last, k, severity, id, message, label, hint)
+   subroutine report_value(deck, header, last, k, severity, id, message, label)
       type(deck_t), intent(inout) :: deck
       integer, intent(in) :: header, last       !! lines; data lines are header + 1 to last
       integer, intent(in) :: k, severity
       character(len=*), intent(in) :: id, message, label
-      character(len=*), intent(in), optional :: hint
 
       character(len=:), allocatable :: text
       integer :: i, at, a, b
@@ -286,7 +284,7 @@ contains
          a = 1
          b = max(1, len_trim(text))
       end if
-      call add_deck_finding(deck, min(header + 1, last), a, b, severity, id, message, label, hint)
+      call add_deck_finding(deck, min(header + 1, last), a, b, severity, id, message, label)
    end subroutine report_value
 
    !> The next item of a list-directed line: columns [a, b], b < a when empty; a = 0 at the end

@@ -6,7 +6,7 @@ module kj_info
    use kj_words, only: counted, few, left, right, json_member, json_pair, json_list, comma, &
       json_real
    use kj_units, only: unit_text, D_TIME, unit_system_t, D_LENGTH, D_FORCE, D_MOMENT, D_ANGLE, &
-      D_ANGULAR_VELOCITY, D_ENERGY, D_STIFFNESS
+      D_ANGULAR_VELOCITY, D_STIFFNESS
    use kj_channels, only: channels, groups, CH_TIME, CH_CYCLE, CH_TIME_STEP, CH_J_GAP, &
       CH_J_GAP_ROT, CH_KE_TRANS, CH_KE_ROT, CH_IE, CH_WORK, CH_POTENTIAL, CH_ENERGY_ERROR, &
       CH_FINAL, CH_OWNER_KIND, CH_OWNER, OF_JOINT, OF_SPRING
@@ -474,23 +474,20 @@ contains
       end subroutine add
    end function worst_json
 
-   !> Unit of a dimension as people say it: "kN", "N mm", "J", "N/m"; as unit_text where it has no
-   !> name
+   !> Unit of a dimension as people say it: "kN", "N mm", "N/m"; as unit_text where it has no name
    pure function unit_name(dim, units) result(text)
       integer, intent(in) :: dim                       !! D_ constant
       type(unit_system_t), intent(in) :: units
       character(len=:), allocatable :: text
 
-      character(len=:), allocatable :: force, energy
+      character(len=:), allocatable :: force
 
       text = unit_text(dim, units)
       if (.not. all(units%si > 0.0_wp)) return         ! not known
       associate (m => units%si(1), l => units%si(2), t => units%si(3))
          force = prefixed(m*l/t**2, 'N')
-         energy = prefixed(m*l**2/t**2, 'J')
       end associate
       if (dim == D_ANGULAR_VELOCITY) text = 'rad/'//trim(units%symbol(3))
-      if (dim == D_ENERGY .and. len(energy) > 0) text = energy
       if (len(force) == 0) return
       if (dim == D_FORCE) text = force
       if (dim == D_MOMENT) text = force//' '//trim(units%symbol(2))

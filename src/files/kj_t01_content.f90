@@ -321,7 +321,7 @@ contains
 
       found = -1
       if (file%is_text) then
-         call read_descriptor(file%bytes, 'R', found)
+         call read_descriptor(file%bytes, found)
          ok = found > 0
          if (ok) call skip_text_reals(file%bytes, found, ok)
          if (.not. ok .and. found == announced) found = -1
@@ -394,7 +394,7 @@ contains
       integer :: i, n
 
       do i = 1, size(rows%n_real)
-         call read_descriptor(file%bytes, 'R', n)
+         call read_descriptor(file%bytes, n)
          ok = n == rows%n_real(i)
          if (ok) call skip_text_reals(file%bytes, n, ok)
          if (.not. ok) return
@@ -500,7 +500,7 @@ contains
 
       v = 0
       do j = 1, size(rows%n_real)
-         call read_descriptor(file%bytes, 'R', n)
+         call read_descriptor(file%bytes, n)
          ok = n == rows%n_real(j)
          if (ok) call read_text_reals(file%bytes, values(v + 1:v + n), ok)
          if (.not. ok) then

@@ -131,7 +131,7 @@ contains
 
       values = 0.0_wp
       if (file%is_text) then
-         call read_descriptor(file%bytes, 'R', announced)
+         call read_descriptor(file%bytes, announced)
          ok = announced == n
          if (ok) call read_text_reals(file%bytes, values, ok)
          if (.not. ok) call broken(file, 'a record of '//str(n)//' reals is not', error)
@@ -351,16 +351,15 @@ contains
    end function is_first
 
    !> Read the line that announces a record
-   subroutine read_descriptor(bytes, letter, count)
+   subroutine read_descriptor(bytes, count)
       type(byte_file_t), intent(in) :: bytes
-      character(len=1), intent(in) :: letter         !! I, C or R
       integer, intent(out) :: count                  !! as announced() has it
 
       character(len=LINE_LENGTH) :: line
       integer :: n
 
       call read_text_line(bytes, line, n)
-      count = announced(line, n, letter)
+      count = announced(line, n, 'R')
    end subroutine read_descriptor
 
    !> "ZZZZZEOR" and (count, letter) pairs: the sum of the counts with this letter, or -1 at the end

@@ -227,7 +227,7 @@ contains
 
       type(node_list_t) :: list
 
-      call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .false., node)
+      call group_nodes(draft, cards, 'KJ-0053', .false., node)
       if (int_of(cards, 'submodel') > 0) then
          call submodel_nodes(draft, int_of(cards, 'submodel'), list)
          call finish_list(draft%id, list, node)

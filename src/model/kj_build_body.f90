@@ -68,7 +68,7 @@ contains
       integer :: i, n
 
       call take_main(draft, cards, b, crew)
-      call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .false., nodes)
+      call group_nodes(draft, cards, 'KJ-0053', .false., nodes)
       if (size(nodes) == 0) call report(draft%deck, cards, 'grnod_id', SEV_WARNING, 'KJ-0352', &
          'the rigid body has no secondary nodes', 'no node')
       n = 0

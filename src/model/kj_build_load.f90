@@ -45,7 +45,7 @@ contains
          call read_cards(draft%deck, blocks(i), cards)
          call read_code(draft%deck, cards, fixed)
          skew = reference(draft%deck, cards, 'skew_id', draft%skew, 'skew', 'KJ-0137')
-         call group_nodes(draft, cards, 'grnod_id', 'KJ-0678', .true., nodes)
+         call group_nodes(draft, cards, 'KJ-0678', .true., nodes)
          if (size(nodes) > 0 .and. all(draft%new(nodes) > model%n_lead)) call report(draft%deck, &
             cards, 'grnod_id', SEV_WARNING, 'KJ-9154', &
             'a boundary condition on secondary nodes has no effect', 'holds secondary nodes only', &
@@ -139,7 +139,7 @@ contains
             load%y_scale = real_of(cards, 'Fscale')
             if (abs(load%y_scale) <= 0.0_wp) load%y_scale = factor_at(draft%deck, blocks(i), &
                D_ACCELERATION)
-            call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .false., nodes)
+            call group_nodes(draft, cards, 'KJ-0053', .false., nodes)
             load%node = draft%new(nodes)
             if (int_of(cards, 'grnod_id') == 0) load%node = [(k, k=1, model%n_lead)]
             load%node = sort_unique(pack(load%node, load%node <= model%n_lead))
@@ -172,10 +172,10 @@ contains
             if (load%abscissa > 3 .or. int_of(cards, 'Itypfun') < 0) call report(draft%deck, &
                cards, 'Itypfun', SEV_ERROR, 'KJ-9124', 'the abscissa type is not 0, 1, 2 or 3', &
                'expected: 0 to 3')
-            load%y_scale = scale_of(cards, 'Fscale')* factor_at(draft%deck, blocks(i), &
+            load%y_scale = scale_of(cards)*factor_at(draft%deck, blocks(i), &
                merge(D_FORCE, D_MOMENT, load%dir <= 3))
             call scale_abscissa(draft%deck, cards, draft%legacy, load)
-            call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .true., nodes)
+            call group_nodes(draft, cards, 'KJ-0053', .true., nodes)
             load%node = draft%new(nodes)
          end associate
       end do
@@ -215,12 +215,11 @@ contains
       factor = factors(dim)
    end function factor_at
 
-   !> A scale; 0 means 1
-   pure real(wp) function scale_of(cards, name) result(s)
+   !> Fscale; 0 means 1
+   pure real(wp) function scale_of(cards) result(s)
       type(cards_t), intent(in) :: cards
-      character(len=*), intent(in) :: name
 
-      s = real_of(cards, name)
+      s = real_of(cards, 'Fscale')
       if (abs(s) <= 0.0_wp) s = 1.0_wp
    end function scale_of
 
@@ -248,7 +247,7 @@ contains
          end select
          call read_cards(draft%deck, i, cards)
          call read_motion(draft, i, cards, kind, motion)
-         call group_nodes(draft, cards, 'grnod_id', 'KJ-0053', .true., nodes)
+         call group_nodes(draft, cards, 'KJ-0053', .true., nodes)
          do k = 1, size(nodes)
             motion%lead = draft%new(nodes(k))
             if (motion%lead > model%n_lead) then
@@ -308,7 +307,7 @@ contains
       motion%skew = load%skew
       motion%sensed = load%sensed
       motion%x_scale = load%x_scale
-      motion%y_scale = scale_of(cards, 'Fscale')*factor_at(draft%deck, block, &
+      motion%y_scale = scale_of(cards)*factor_at(draft%deck, block, &
          UNIT_OF(merge(1, 2, motion%dir <= 3), kind))
       motion%t_start = real_of(cards, 'Tstart')
       if (real_of(cards, 'Tstop') > 0.0_wp) motion%t_stop = real_of(cards, 'Tstop')
@@ -345,7 +344,7 @@ contains
             cycle
          call read_cards(draft%deck, i, cards)
          call refuse_late(draft, cards)
-         call group_nodes(draft, cards, 'grnod_id', 'KJ-0668', .true., nodes)
+         call group_nodes(draft, cards, 'KJ-0668', .true., nodes)
          nodes = draft%new(nodes)
          if (size(nodes) > 0 .and. all(nodes > model%n_lead)) call report(draft%deck, cards, &
             'grnod_id', SEV_WARNING, 'KJ-9152', &

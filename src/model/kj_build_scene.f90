@@ -113,7 +113,7 @@ contains
          end if
          if (all(draft%deck%block(blocks(i))%variant /= [0, 1])) cycle   ! of parts
          call read_cards(draft%deck, blocks(i), cards)
-         call group_nodes(draft, cards, 'grnod_id', 'KJ-0668', .true., nodes)
+         call group_nodes(draft, cards, 'KJ-0668', .true., nodes)
          mass = real_of(cards, 'mass')
          if (mass < 0.0_wp) call report(draft%deck, cards, 'mass', SEV_WARNING, 'KJ-0476', &
             'the added mass is negative', 'less than zero')
@@ -294,7 +294,7 @@ contains
             int_of(cards, 'subset_id')]
          draft%part_property(i) = find(draft%property, int_of(cards, 'prop_id'))
          if (draft%part_property(i) == 0) then
-            if (.not. is_left_out(draft%deck, 'property', int_of(cards, 'prop_id'))) &
+            if (.not. is_left_out(draft%deck, int_of(cards, 'prop_id'))) &
                draft%part_property(i) = reference(draft%deck, cards, 'prop_id', draft%property, &
                'property', 'KJ-0178')
          end if
@@ -326,14 +326,13 @@ contains
       end do
    end subroutine check_element_parts
 
-   !> What has this id is out of scope, and that is left out
-   pure logical function is_left_out(deck, what, id)
+   !> The property of this id is out of scope, and that is left out
+   pure logical function is_left_out(deck, id)
       type(deck_t), intent(in) :: deck
-      character(len=*), intent(in) :: what
       integer, intent(in) :: id
 
       is_left_out = deck%lenient
-      if (is_left_out) is_left_out = unsupported(deck, what, id) > 0
+      if (is_left_out) is_left_out = unsupported(deck, 'property', id) > 0
    end function is_left_out
 
    !> Blocks of materials that --ignore-unsupported let pass
@@ -375,7 +374,7 @@ contains
                   SEV_ERROR, 'KJ-0402', 'part '//str(id)//' of these elements is not defined', &
                   'the id is that of a part', hint=known_ids(draft%part, 'part'))
                if (part > 0 .and. .not. draft%deck%full) then
-                  if (is_left_out(draft%deck, 'property', draft%part_ids(1, part))) &
+                  if (is_left_out(draft%deck, draft%part_ids(1, part))) &
                      call report_header(draft%deck, blocks(b), SEV_WARNING, 'KJ-9409', &
                      'the springs of part '//str(id)//' are left out', &
                      'their property is out of scope')

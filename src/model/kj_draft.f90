@@ -359,21 +359,21 @@ contains
    !> Raw indices of the nodes of the group that a field names.
    !>
    !> A field 0 or blank names none; where `needed`, that is an error.
-   subroutine group_nodes(draft, cards, name, id, needed, nodes)
+   subroutine group_nodes(draft, cards, id, needed, nodes)
       type(draft_t), intent(inout) :: draft
       type(cards_t), intent(in) :: cards
-      character(len=*), intent(in) :: name, id   !! field and message id
+      character(len=*), intent(in) :: id         !! of the message
       logical, intent(in) :: needed
       integer, allocatable, intent(out) :: nodes(:)
 
       integer :: place
 
       allocate (nodes(0))
-      place = reference(draft%deck, cards, name, draft%group, 'node group', id)
+      place = reference(draft%deck, cards, 'grnod_id', draft%group, 'node group', id)
       if (place > 0) nodes = draft%groups(place)%node
-      if (int_of(cards, name) == 0 .and. needed) call report(draft%deck, cards, name, SEV_ERROR, &
-         id, 'no node group is named', 'expected: id of a node group', hint=known_ids(draft%group, &
-         'node group'))
+      if (int_of(cards, 'grnod_id') == 0 .and. needed) call report(draft%deck, cards, 'grnod_id', &
+         SEV_ERROR, id, 'no node group is named', 'expected: id of a node group', &
+         hint=known_ids(draft%group, 'node group'))
    end subroutine group_nodes
 
 end module kj_draft
