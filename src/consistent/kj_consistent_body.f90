@@ -318,10 +318,10 @@ contains
          q(:n, k) = quat(from:from + n - 1, k)
       end do
       call quaternion_frame(n, q, e)
-      !$omp simd private(j, k)
-      do i = 1, n
-         j = from + i - 1
-         do k = 1, 6
+      do k = 1, 6
+         !$omp simd private(j)
+         do i = 1, n
+            j = from + i - 1
             ij(j, k) = model%n_end(j)*( &
                model%inverse_inertia(j, 1)*e(i, ROW(k))*e(i, COLUMN(k)) + &
                model%inverse_inertia(j, 2)*e(i, ROW(k) + 3)*e(i, COLUMN(k) + 3) + &

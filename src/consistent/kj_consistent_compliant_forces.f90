@@ -5,10 +5,10 @@
 !> One file: what a step does with the joints, stage by stage.
 module kj_consistent_compliant_forces
    use kj_kinds, only: wp
-   use kj_block, only: BLOCK
+   use kj_block, only: BLOCK, block_of
    use kj_joint_types, only: joint_types, NDOF, CHART_VECTOR
    use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened, joint_batch_t
-   use kj_consistent_batch, only: limit_block_t
+   use kj_consistent_batch, only: limit_block_t, matrix_t
    use kj_consistent_matrix, only: rates, put_wrench, add_moment, N_CONSISTENT_WRENCH
    use kj_consistent_springs, only: coordinates, laws
    use kj_consistent_dampers, only: damper
@@ -33,27 +33,55 @@ contains
       type(consistent_state_t), intent(in) :: state
       type(compliant_t), intent(inout) :: self
 
-      integer :: piece, b, from, n, at, i
+      integer :: piece
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) &
-      !$omp private(b, from, n, at, i) if(model%team%threads > 1)
-      do piece = 1, size(model%team%joint, 2)
-         b = model%team%joint(1, piece)
-         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
-            n = min(BLOCK, model%team%joint(3, piece) - from + 1)
-            at = (from - 1)/BLOCK + 1
-            associate (rows => self%joint(b)%block(at))
-               call coordinates(model%batch(b), state%poses, from, n, &
-                  state%joint(b)%block(at)%q, rows%q, rows%b, rows%rot)
-               if (model%batch(b)%geometry%chart /= CHART_VECTOR) cycle
-               if (.not. model%batch(b)%limited) cycle
-               do i = 1, n                        ! locked: forces belong to the coordinates
+      if (model%team%threads > 1) then           ! a team of one costs, too
+         !$omp parallel do schedule(static) num_threads(model%team%threads)
+         do piece = 1, size(model%team%joint, 2)
+            call see_piece(model, model%team%joint(:, piece), state, self)
+         end do
+      else
+         do piece = 1, size(model%team%joint, 2)
+            call see_piece(model, model%team%joint(:, piece), state, self)
+         end do
+      end if
+   end subroutine see_joints
+
+   !> Those of a piece: batch, first joint, last joint
+   pure subroutine see_piece(model, piece, state, self)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: piece(3)
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_t), intent(inout) :: self
+
+      integer :: from, n, at, i
+
+      associate (batch => model%batch(piece(1)))
+         do from = piece(2), piece(3), BLOCK
+            n = min(BLOCK, piece(3) - from + 1)
+            at = block_of(from)
+            associate (rows => self%joint(piece(1))%block(at), &
+               before => state%joint(piece(1))%block(at)%q)
+               select case (n)                   ! few joints: kernels of their own
+               case (1)
+                  call coordinates(batch, state%poses, from, 1, before, rows%q, rows%b, rows%rot)
+               case (2)
+                  call coordinates(batch, state%poses, from, 2, before, rows%q, rows%b, rows%rot)
+               case (3)
+                  call coordinates(batch, state%poses, from, 3, before, rows%q, rows%b, rows%rot)
+               case (4)
+                  call coordinates(batch, state%poses, from, 4, before, rows%q, rows%b, rows%rot)
+               case default
+                  call coordinates(batch, state%poses, from, n, before, rows%q, rows%b, rows%rot)
+               end select
+               if (batch%geometry%chart /= CHART_VECTOR .or. .not. batch%limited) cycle
+               do i = 1, n                       ! locked: forces belong to the coordinates
                   if (any(rows%k(i, 4:6) > 0.0_wp)) rows%b%turn(i, :) = rows%rot(i, :)
                end do
             end associate
          end do
-      end do
-   end subroutine see_joints
+      end associate
+   end subroutine see_piece
 
    !> Forces of explicit rows without dampers in the pose that was seen, added to those of the
    !> leads; what they store and lose
@@ -62,22 +90,37 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(in) :: self
 
-      integer :: piece, b, from
+      integer :: piece, b
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) &
-      !$omp private(b, from) if(model%team%threads > 1)
-      do piece = 1, size(model%team%joint, 2)
-         b = model%team%joint(1, piece)
-         if (.not. self%sprung(b)) cycle
-         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
-            call springs_of_block(model, b, from, &
-               min(BLOCK, model%team%joint(3, piece) - from + 1), self, state)
+      if (.not. any(self%sprung)) return
+      if (model%team%threads > 1) then
+         !$omp parallel do schedule(static) num_threads(model%team%threads)
+         do piece = 1, size(model%team%joint, 2)
+            call springs_of_piece(model, model%team%joint(:, piece), self, state)
          end do
-      end do
+      else
+         do piece = 1, size(model%team%joint, 2)
+            call springs_of_piece(model, model%team%joint(:, piece), self, state)
+         end do
+      end if
       do b = 1, size(model%batch)
          if (self%sprung(b)) call add_rows(model%batch(b), state%wrench, state%f, state%t)
       end do
    end subroutine spring_forces
+
+   subroutine springs_of_piece(model, piece, self, state)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: piece(3)
+      type(compliant_t), intent(in) :: self
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: from
+
+      if (.not. self%sprung(piece(1))) return
+      do from = piece(2), piece(3), BLOCK
+         call springs_of_block(model, piece(1), from, min(BLOCK, piece(3) - from + 1), self, state)
+      end do
+   end subroutine springs_of_piece
 
    !> Add wrenches that stand as rows of all joints
    pure subroutine add_rows(batch, wrench, f, t)
@@ -269,41 +312,58 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: rate(BLOCK, 6)
-      integer :: piece, b, at, from, n, k
+      integer :: piece
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) &
-      !$omp private(b, from, at, n, k, rate) if(model%team%threads > 1)
-      do piece = 1, size(model%team%joint, 2)
-         b = model%team%joint(1, piece)
-         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
-            n = min(BLOCK, model%team%joint(3, piece) - from + 1)
-            at = (from - 1)/BLOCK + 1
-            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
-               if (self%rowed(b)) call count_work(n, self%last(b), lanes%q, &
-                  rows, lanes%elastic, lanes%dissipated)
-               if (self%damped(b)) then
-                  call rates(model%batch(b), ALL_DOFS, self%start%v_half, state%poses%w_left, &
-                     from, n, lanes%b, rate)
-                  call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
-                  do k = 1, NDOF
-                     if (self%explicit(k, b)) lanes%fd(:n, k) = merge(0.0_wp, rows%g(:n, k), &
-                        rows%k(:n, k) > 0.0_wp)
-                  end do
-                  call rates(model%batch(b), ALL_DOFS, self%start%v_half, self%start%w_half, from, &
-                     n, rows%b, rate)
-                  call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
-               end if
-               do k = 1, self%last(b)
-                  rows%f_third(:n, k) = rows%f_before(:n, k)
-                  rows%f_before(:n, k) = rows%f_last(:n, k)
-                  rows%f_last(:n, k) = rows%f(:n, k)
-               end do
-            end associate
+      if (model%team%threads > 1) then
+         !$omp parallel do schedule(static) num_threads(model%team%threads)
+         do piece = 1, size(model%team%joint, 2)
+            call close_piece(model, model%team%joint(:, piece), h, state, self)
          end do
-      end do
-      call take_coordinates(model, state, self)
+      else
+         do piece = 1, size(model%team%joint, 2)
+            call close_piece(model, model%team%joint(:, piece), h, state, self)
+         end do
+      end if
    end subroutine close_rows
+
+   subroutine close_piece(model, piece, h, state, self)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: piece(3)
+      real(wp), intent(in) :: h
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(inout) :: self
+
+      real(wp) :: rate(BLOCK, 6)
+      integer :: b, at, from, n, k
+
+      b = piece(1)
+      do from = piece(2), piece(3), BLOCK
+         n = min(BLOCK, piece(3) - from + 1)
+         at = block_of(from)
+         associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
+            if (self%rowed(b)) call count_work(n, self%last(b), lanes%q, &
+               rows, lanes%elastic, lanes%dissipated)
+            if (self%damped(b)) then
+               call rates(model%batch(b), ALL_DOFS, self%start%v_half, state%poses%w_left, &
+                  from, n, lanes%b, rate)
+               call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
+               do k = 1, NDOF
+                  if (self%explicit(k, b)) lanes%fd(:n, k) = merge(0.0_wp, rows%g(:n, k), &
+                     rows%k(:n, k) > 0.0_wp)
+               end do
+               call rates(model%batch(b), ALL_DOFS, self%start%v_half, self%start%w_half, from, &
+                  n, rows%b, rate)
+               call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
+            end if
+            do k = 1, self%last(b)
+               rows%f_third(:n, k) = rows%f_before(:n, k)
+               rows%f_before(:n, k) = rows%f_last(:n, k)
+               rows%f_last(:n, k) = rows%f(:n, k)
+            end do
+            call take_block(n, rows%q, rows%b, lanes%q, lanes%b)
+         end associate
+      end do
+   end subroutine close_piece
 
    !> Coordinates and B of the pose that was tried become those of the joints
    subroutine take_coordinates(model, state, self)
@@ -311,23 +371,31 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(in) :: self
 
-      integer :: piece, b, at, from, n
+      integer :: b, at
 
-      !$omp parallel do schedule(static) num_threads(model%team%threads) &
-      !$omp private(b, from, at, n) if(model%team%threads > 1)
-      do piece = 1, size(model%team%joint, 2)
-         b = model%team%joint(1, piece)
-         do from = model%team%joint(2, piece), model%team%joint(3, piece), BLOCK
-            n = min(BLOCK, model%team%joint(3, piece) - from + 1)
-            at = (from - 1)/BLOCK + 1
-            state%joint(b)%block(at)%q(:n, :) = self%joint(b)%block(at)%q(:n, :)
-            state%joint(b)%block(at)%b%force(:n, :) = self%joint(b)%block(at)%b%force(:n, :)
-            state%joint(b)%block(at)%b%couple(:n, :) = self%joint(b)%block(at)%b%couple(:n, :)
-            state%joint(b)%block(at)%b%turn(:n, :) = self%joint(b)%block(at)%b%turn(:n, :)
-            state%joint(b)%block(at)%b%apart(:n, :) = self%joint(b)%block(at)%b%apart(:n, :)
+      do b = 1, size(model%batch)
+         do at = 1, size(self%joint(b)%block)
+            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
+               call take_block(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), rows%q, rows%b, &
+                  lanes%q, lanes%b)
+            end associate
          end do
       end do
    end subroutine take_coordinates
+
+   pure subroutine take_block(n, from_q, from_b, q, b)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: from_q(BLOCK, 6)
+      type(matrix_t), intent(in) :: from_b
+      real(wp), intent(inout) :: q(BLOCK, 6)
+      type(matrix_t), intent(inout) :: b
+
+      q(:n, :) = from_q(:n, :)
+      b%force(:n, :) = from_b%force(:n, :)
+      b%couple(:n, :) = from_b%couple(:n, :)
+      b%turn(:n, :) = from_b%turn(:n, :)
+      b%apart(:n, :) = from_b%apart(:n, :)
+   end subroutine take_block
 
    !> Half a step of the power of dampers of explicit rows
    pure subroutine take_power(n, h, explicit, f, rate, dissipated)

@@ -118,7 +118,7 @@ contains
       logical, intent(in) :: tried
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), a(3, 3), both, with
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), both, with
       integer :: at, i, k, node, lead1, lead2
 
       at = from/BLOCK + 1
@@ -158,12 +158,15 @@ contains
             if (self%last(b) == 3) cycle
             call put_triangle(s(i, 10), s(i, 14), s(i, 19), s(i, 15), s(i, 20), s(i, 21), &
                f%diagonal(:, :, self%pattern%column(node + 1)))
-            do k = 1, 3
-               a(1, k) = s(i, 6 + k)
-               a(2, k) = s(i, 10 + k)
-               a(3, k) = s(i, 15 + k)
-            end do
-            call add(a, self%across(model%batch(b)%first + from + i), f%below)
+            associate (place => self%across(model%batch(b)%first + from + i))
+               do k = 1, 3
+                  if (place > 0) then
+                     f%below(1:3, k, place) = [s(i, 6 + k), s(i, 10 + k), s(i, 15 + k)]
+                  else
+                     f%below(k, 1:3, -place) = [s(i, 6 + k), s(i, 10 + k), s(i, 15 + k)]
+                  end if
+               end do
+            end associate
          end do
       end associate
    end subroutine put_joints
@@ -186,130 +189,124 @@ contains
       logical, intent(in) :: tried
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: f(3, 3, 2), u(3, 6, 2), v(3, 6), j(6), a(3, 3), sign
-      integer :: n, e, k, last(2)
+      real(wp) :: rows(4, 3, 3, 2), j(6), sign
+      integer :: n, e, k, i
 
       do n = 1, size(self%link)
-         associate (link => self%link(n), lead => self%link(n)%end(1)%lead, &
-            below => self%factor%below)
+         associate (link => self%link(n), lead => self%link(n)%end(1)%lead)
             do e = 1, 2
-               last(e) = self%last(link%end(e)%batch)
-               call gather(link%end(e), state, tried, self, f(:, :, e), u(:, :, e))
+               call gather(link%end(e), state, tried, self, rows(:, :, :, e))
             end do
             sign = merge(1.0_wp, -1.0_wp, link%end(1)%which == link%end(2)%which)
             j = (sign*self%share(lead))*self%ij(lead, :)
-            do k = 1, last(2)
-               v(1, k) = j(1)*u(1, k, 2) + j(4)*u(2, k, 2) + j(5)*u(3, k, 2)
-               v(2, k) = j(4)*u(1, k, 2) + j(2)*u(2, k, 2) + j(6)*u(3, k, 2)
-               v(3, k) = j(5)*u(1, k, 2) + j(6)*u(2, k, 2) + j(3)*u(3, k, 2)
+            rows(:, :, 1, 2) = (sign*self%im(lead))*rows(:, :, 1, 2)
+            do k = 2, 3
+               call weigh(j, rows(:, :, k, 2))
             end do
-            f(:, :, 2) = (sign*self%im(lead))*f(:, :, 2)
-            a = 0.0_wp
-            call add_product(f(:, :, 1), f(:, :, 2), a)
-            call add_product(u(:, 1:3, 1), v(:, 1:3), a)
-            call add(a, link%place(1, 1), below)
-            if (last(1) > 3) call add_part(u(:, 4:6, 1), v(:, 1:3), link%place(2, 1), below)
-            if (last(2) > 3) call add_part(u(:, 1:3, 1), v(:, 4:6), link%place(1, 2), below)
-            if (all(last > 3)) call add_part(u(:, 4:6, 1), v(:, 4:6), link%place(2, 2), below)
+            do k = 1, 2
+               do i = 1, 2
+                  if (link%place(i, k) == 0) cycle
+                  if (i == 1 .and. k == 1) call add(rows(:, :, 1, 1), rows(:, :, 1, 2), &
+                     link%place(1, 1), self%factor%below)
+                  call add(rows(:, :, i + 1, 1), rows(:, :, k + 1, 2), link%place(i, k), &
+                     self%factor%below)
+               end do
+            end do
          end associate
       end do
    end subroutine put_links
 
-   !> The rows of B at an end of a joint: forces and moments on the lead; those of end 1 with the
-   !> other sign
-   subroutine gather(end, state, tried, self, f, u)
+   !> Rows of B at an end of a joint, those of end 1 with the other sign: forces and moments of
+   !> translations, moments of rotations
+   subroutine gather(end, state, tried, self, rows)
       type(end_t), intent(in) :: end
       type(consistent_state_t), intent(in) :: state
       logical, intent(in) :: tried
       type(compliant_t), intent(in) :: self
-      real(wp), intent(out) :: f(3, 3), u(3, 6)  !! each row a column
+      real(wp), intent(out) :: rows(4, 3, 3)     !! the last of four is 0
 
       if (tried) then
-         call take_rows(end, self%joint(end%batch)%block(end%at)%b, self%last(end%batch) > 3, f, u)
+         call take_rows(end, self%joint(end%batch)%block(end%at)%b, rows)
       else
-         call take_rows(end, state%joint(end%batch)%block(end%at)%b, self%last(end%batch) > 3, f, u)
+         call take_rows(end, state%joint(end%batch)%block(end%at)%b, rows)
       end if
    end subroutine gather
 
-   pure subroutine take_rows(end, b, turned, f, u)
+   pure subroutine take_rows(end, b, rows)
       type(end_t), intent(in) :: end
       type(matrix_t), intent(in) :: b
-      logical, intent(in) :: turned
-      real(wp), intent(out) :: f(3, 3), u(3, 6)
+      real(wp), intent(out) :: rows(4, 3, 3)
 
-      integer :: i, k, l
+      integer :: k, l
 
-      i = end%lane
-      do k = 1, 3
+      associate (i => end%lane)
          do l = 1, 3
-            f(l, k) = b%force(i, 3*k - 3 + l)
-            u(l, k) = b%couple(i, 3*k - 3 + l)
-         end do
-      end do
-      if (turned) then
-         do k = 1, 3
-            do l = 1, 3
-               u(l, k + 3) = b%turn(i, 3*k - 3 + l)
+            do k = 1, 3
+               rows(k, l, 1) = b%force(i, 3*k - 3 + l)
+               rows(k, l, 2) = b%couple(i, 3*k - 3 + l)
+               rows(k, l, 3) = b%turn(i, 3*k - 3 + l)
             end do
+            rows(4, l, :) = 0.0_wp
          end do
-      end if
-      if (end%which == 1) return
-      do k = 1, 3
-         u(1, k) = u(1, k) - (b%apart(i, 2)*f(3, k) - b%apart(i, 3)*f(2, k))
-         u(2, k) = u(2, k) - (b%apart(i, 3)*f(1, k) - b%apart(i, 1)*f(3, k))
-         u(3, k) = u(3, k) - (b%apart(i, 1)*f(2, k) - b%apart(i, 2)*f(1, k))
-      end do
+         if (end%which == 1) return
+         !$omp simd
+         do k = 1, 4
+            rows(k, 1, 2) = rows(k, 1, 2) - &
+               (b%apart(i, 2)*rows(k, 3, 1) - b%apart(i, 3)*rows(k, 2, 1))
+            rows(k, 2, 2) = rows(k, 2, 2) - &
+               (b%apart(i, 3)*rows(k, 1, 1) - b%apart(i, 1)*rows(k, 3, 1))
+            rows(k, 3, 2) = rows(k, 3, 2) - &
+               (b%apart(i, 1)*rows(k, 2, 1) - b%apart(i, 2)*rows(k, 1, 1))
+         end do
+      end associate
    end subroutine take_rows
 
-   !> a^T b added to a block
-   pure subroutine add_part(a, b, place, below)
-      real(wp), intent(in) :: a(3, 3), b(3, 3)
+   !> Rows := rows J^-1
+   pure subroutine weigh(j, rows)
+      real(wp), intent(in) :: j(6)               !! xx yy zz xy xz yz
+      real(wp), intent(inout) :: rows(4, 3)
+
+      real(wp) :: x, y, z
+      integer :: k
+
+      !$omp simd private(x, y, z)
+      do k = 1, 4
+         x = rows(k, 1)
+         y = rows(k, 2)
+         z = rows(k, 3)
+         rows(k, 1) = j(1)*x + j(4)*y + j(5)*z
+         rows(k, 2) = j(4)*x + j(2)*y + j(6)*z
+         rows(k, 3) = j(5)*x + j(6)*y + j(3)*z
+      end do
+   end subroutine weigh
+
+   !> Add a b^T to a block, or its transpose to that of -place
+   pure subroutine add(a, b, place, below)
+      real(wp), intent(in) :: a(4, 3), b(4, 3)
       integer, intent(in) :: place
       real(wp), contiguous, intent(inout) :: below(:, :, :)
 
-      real(wp) :: c(3, 3)
+      if (place > 0) then
+         call add_product(a, b, below(:, :, place))
+      else
+         call add_product(b, a, below(:, :, -place))
+      end if
+   end subroutine add
 
-      c = 0.0_wp
-      call add_product(a, b, c)
-      call add(c, place, below)
-   end subroutine add_part
-
-   !> c := c + a^T b
+   !> c := c + a b^T
    pure subroutine add_product(a, b, c)
-      real(wp), intent(in) :: a(3, 3), b(3, 3)
-      real(wp), intent(inout) :: c(3, 3)
+      real(wp), intent(in) :: a(4, 3), b(4, 3)
+      real(wp), intent(inout) :: c(4, 3)
 
       integer :: i, j
 
       do j = 1, 3
-         do i = 1, 3
-            c(i, j) = c(i, j) + (a(1, i)*b(1, j) + a(2, i)*b(2, j) + a(3, i)*b(3, j))
+         !$omp simd
+         do i = 1, 4
+            c(i, j) = c(i, j) + (a(i, 1)*b(j, 1) + a(i, 2)*b(j, 2) + a(i, 3)*b(j, 3))
          end do
       end do
    end subroutine add_product
-
-   !> Add to a block, or its transpose to that of -place
-   pure subroutine add(a, place, below)
-      real(wp), intent(in) :: a(3, 3)
-      integer, intent(in) :: place
-      real(wp), contiguous, intent(inout) :: below(:, :, :)
-
-      integer :: i, j
-
-      if (place > 0) then
-         do j = 1, 3
-            do i = 1, 3
-               below(i, j, place) = below(i, j, place) + a(i, j)
-            end do
-         end do
-      else
-         do j = 1, 3
-            do i = 1, 3
-               below(j, i, -place) = below(j, i, -place) + a(i, j)
-            end do
-         end do
-      end if
-   end subroutine add
 
    !> Bodies that are nodes, -M on the diagonal, and their joints; directions that are held are
    !> projected out and have the size of the mass alone
@@ -319,7 +316,7 @@ contains
       logical, intent(in) :: active(:), tried
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: e(3, 3), m(3, 3), f(3, 3), u(3, 6), free(3, 3), s
+      real(wp) :: e(3, 3), m(3, 3), rows(4, 3, 3), free(4, 3, 2), s
       integer :: i, part, lead
 
       do i = 1, size(self%hub)
@@ -346,16 +343,16 @@ contains
       end do
       do i = 1, size(self%tie)
          associate (tie => self%tie(i), lead => self%tie(i)%end%lead, below => self%factor%below)
-            call gather(tie%end, state, tried, self, f, u)
-            free = merge(-1.0_wp, 1.0_wp, tie%end%which == 1)*IDENTITY
-            m = free
-            if (self%partly(lead)) then
-               free = free(1, 1)*self%free(:, :, 1, lead)
-               m = m(1, 1)*self%free(:, :, 2, lead)
-            end if
-            call add_part(f, free, tie%place(1), below)
-            call add_part(u(:, 1:3), m, tie%place(2), below)
-            if (tie%place(3) /= 0) call add_part(u(:, 4:6), m, tie%place(3), below)
+            call gather(tie%end, state, tried, self, rows)
+            s = merge(-1.0_wp, 1.0_wp, tie%end%which == 1)
+            do part = 1, 2
+               free(:, :, part) = 0.0_wp
+               free(1:3, :, part) = s*IDENTITY
+               if (self%partly(lead)) free(1:3, :, part) = s*self%free(:, :, part, lead)
+            end do
+            call add(rows(:, :, 1), free(:, :, 1), tie%place(1), below)
+            call add(rows(:, :, 2), free(:, :, 2), tie%place(2), below)
+            if (tie%place(3) /= 0) call add(rows(:, :, 3), free(:, :, 2), tie%place(3), below)
          end associate
       end do
    end subroutine put_bodies

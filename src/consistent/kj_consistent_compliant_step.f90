@@ -384,29 +384,35 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: way, turn
-      integer :: i
+      real(wp), dimension(BLOCK) :: way, turn
+      real(wp) :: most(2)
+      integer :: from, i, k, n
 
       self%turn = state%l - self%start%l_half
       call spin_velocity(model, state%poses%quat, self%turn, 1, model%n_lead, self%y)
       self%turn = self%start%l_half - self%start%l
       call spin_velocity(model, self%start%quat, self%turn, 1, model%n_lead, self%f)
-      self%y = self%y - self%f
-      way = 0.0_wp
-      turn = 0.0_wp
-      do i = 1, model%n_lead
-         if (self%partly(i)) then
-            if (.not. model%inverse_mass(i) > 0.0_wp .and. &
-               .not. model%inverse_inertia(i, 1) > 0.0_wp) cycle
-         end if
-         way = max(way, sum((state%v(i, :) - 2.0_wp*self%start%v_half(i, :) + &
-            self%start%v(i, :))**2))
-         turn = max(turn, sum(self%y(i, :)**2))
+      most = 0.0_wp
+      do from = 0, model%n_lead - 1, BLOCK
+         n = min(BLOCK, model%n_lead - from)
+         way(:n) = 0.0_wp
+         turn(:n) = 0.0_wp
+         do k = 1, 3
+            !$omp simd
+            do i = 1, n
+               way(i) = way(i) + (state%v(from + i, k) - 2.0_wp*self%start%v_half(from + i, k) + &
+                  self%start%v(from + i, k))**2
+               turn(i) = turn(i) + (self%y(from + i, k) - self%f(from + i, k))**2
+            end do
+         end do
+         do i = 1, n
+            if (.not. (model%inverse_mass(from + i) > 0.0_wp .or. &
+               model%inverse_inertia(from + i, 1) > 0.0_wp)) cycle
+            most = max(most, [way(i), turn(i)])
+         end do
       end do
-      self%e_way = h/6.0_wp*sqrt(way)
-      self%e_turn = h/6.0_wp*sqrt(turn)
-      self%y = 0.0_wp
-      self%turn = 0.0_wp
+      self%e_way = h/6.0_wp*sqrt(most(1))
+      self%e_turn = h/6.0_wp*sqrt(most(2))
    end subroutine estimate_error
 
    !> Multipliers f of the step that would follow, for the forces of the present time; the state
