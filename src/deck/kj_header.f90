@@ -5,6 +5,7 @@ module kj_header
    use kj_keywords, only: keywords, find_keyword, nearest_keyword, READ_IT, NOTE_IT, FULL_ONLY, &
       ASIDE, KW_ADMAS, HEAD_ID, HEAD_UNIT, HEAD_TYPE_ID, HEAD_NONE, keyword_of
    use kj_spelling, only: upper, edit_distance
+   use kj_number, only: parse_integer, NUMBER_TOO_LARGE
    use kj_card_fields, only: has_variant
    use kj_engine_text, only: is_engine_word
    use kj_deck_text, only: deck_t, block_t, add_deck_finding, line_text, header_end, report_line
@@ -263,10 +264,10 @@ contains
       integer, intent(in) :: first, last
       type(header_t), intent(inout) :: header
 
-      integer :: value, stat
+      integer :: value, status
 
-      read (text(first:last), '(i20)', iostat=stat) value
-      if (stat /= 0) value = huge(value)
+      call parse_integer(text(first:last), value, status)
+      if (status == NUMBER_TOO_LARGE) value = huge(value)
       header%n = header%n + 1
       header%number(header%n) = value
       header%first(header%n) = first
