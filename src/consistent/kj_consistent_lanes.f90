@@ -12,15 +12,24 @@ module kj_consistent_lanes
    use kj_block, only: BLOCK, rows_at, block_of, lane_of
    use kj_joint_batch, only: joint_batch_t, is_spring
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_step, only: step_on, reach_motion
+   use kj_consistent_step, only: step_to_loads, step_from_loads, place_nodes, reach_motion
+   use kj_consistent_load, only: add_loads
    use kj_consistent_conditions, only: motion_target, FIRST_HALF, SECOND_HALF
    implicit none
    private
 
    public :: lanes_t, seat, step_lanes, take_out, take_coordinates
 
+   !> A scene whose steps are taken here. Its loads act by its own model and state.
+   type :: scene_t
+      type(consistent_model_t), pointer :: model => null()
+      type(consistent_state_t), pointer :: state => null()
+   end type scene_t
+
    !> The scenes as one
    type :: lanes_t
+      type(scene_t) :: scene(BLOCK)
+      logical :: loaded = .false.                !! loads act on some, or axes move in some
       type(consistent_model_t) :: model
       type(consistent_state_t) :: state
       real(wp) :: work(BLOCK) = 0.0_wp           !! of imposed motion
@@ -35,13 +44,16 @@ contains
 
    !> A scene takes a place
    subroutine seat(model, state, s, lanes)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(inout) :: state     !! is not changed
+      type(consistent_model_t), target, intent(in) :: model
+      type(consistent_state_t), target, intent(inout) :: state   !! is not changed
       integer, intent(in) :: s                   !! place
       type(lanes_t), intent(inout) :: lanes
 
       integer :: b, i
 
+      lanes%scene(s)%model => model
+      lanes%scene(s)%state => state
+      lanes%loaded = lanes%loaded .or. size(model%placed) > 0
       associate (w => lanes%model, p => lanes%state%poses)
          call put(model%mass, s, w%mass)
          call put(model%inverse_mass, s, w%inverse_mass)
@@ -292,8 +304,11 @@ contains
          do i = 1, steps
             call drive(n, h, lanes)
             p%time(:n) = p%time(:n) + h
-            call step_on(lanes%model, midpoint, lanes%state)
-            if (size(lanes%model%motion) > 0) call count_work(n, lanes)
+            call step_to_loads(lanes%model, midpoint, lanes%loaded, lanes%state)
+            if (size(lanes%model%motion) > 0) call count_work(n, FIRST_HALF, lanes)
+            if (lanes%loaded) call act_loads(n, lanes)
+            call step_from_loads(lanes%model, lanes%loaded, lanes%state)
+            if (size(lanes%model%motion) > 0) call count_work(n, SECOND_HALF, lanes)
          end do
       end associate
    end subroutine step_lanes
@@ -318,21 +333,65 @@ contains
       end associate
    end subroutine drive
 
-   !> The work of the projections of a step, in the order of a scene alone
-   pure subroutine count_work(n, lanes)
+   !> The loads of each scene, and its axes that move, by its own model from what they read of it
+   subroutine act_loads(n, lanes)
       integer, intent(in) :: n
       type(lanes_t), intent(inout) :: lanes
 
-      integer :: part, i, s
+      integer :: s, i, cycle
 
-      do part = FIRST_HALF, SECOND_HALF
-         do i = 1, size(lanes%model%hold), BLOCK
-            do s = 1, n
-               associate (done => lanes%state%kept%work(:, i + s - 1, part))
-                  lanes%work(s) = lanes%work(s) + done(1)
-                  lanes%work(s) = lanes%work(s) + done(2)
+      do s = 1, n
+         associate (model => lanes%scene(s)%model, a => lanes%scene(s)%state, w => lanes%state)
+            do i = 1, size(model%placed)
+               associate (lead => model%lead(model%placed(i)), &
+                  at => BLOCK*(model%lead(model%placed(i)) - 1) + s)
+                  a%poses%x(lead, :) = w%poses%x(at, :)
+                  a%poses%d(lead, :) = w%poses%d(at, :)
+                  a%poses%quat(lead, :) = w%poses%quat(at, :)
+                  a%poses%psi(lead, :) = w%poses%psi(at, :)
+                  a%poses%w(lead, :) = w%poses%w(at, :)
+                  a%v(lead, :) = w%v(at, :)
+                  a%f(lead, :) = w%f(at, :)
+                  a%t(lead, :) = w%t(at, :)
+                  a%own_f(lead, :) = w%own_f(at, :)
+                  a%own_t(lead, :) = w%own_t(at, :)
                end associate
             end do
+            cycle = a%cycle
+            a%cycle = max(1, cycle)              ! loads work from the first step on
+            a%time = w%poses%time(s)
+            a%work = lanes%work(s)
+            call place_nodes(model, a)
+            call add_loads(model, a)
+            a%cycle = cycle
+            lanes%work(s) = a%work
+            w%skew((s - 1)*model%skews%n + 1:s*model%skews%n, :) = a%skew(1:, :)
+            do i = 1, size(model%placed)
+               associate (lead => model%lead(model%placed(i)), &
+                  at => BLOCK*(model%lead(model%placed(i)) - 1) + s)
+                  w%f(at, :) = a%f(lead, :)
+                  w%t(at, :) = a%t(lead, :)
+                  w%own_f(at, :) = a%own_f(lead, :)
+                  w%own_t(at, :) = a%own_t(lead, :)
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine act_loads
+
+   !> The work of the projections of a part of a step, in the order of a scene alone
+   pure subroutine count_work(n, part, lanes)
+      integer, intent(in) :: n, part
+      type(lanes_t), intent(inout) :: lanes
+
+      integer :: i, s
+
+      do i = 1, size(lanes%model%hold), BLOCK
+         do s = 1, n
+            associate (done => lanes%state%kept%work(:, i + s - 1, part))
+               lanes%work(s) = lanes%work(s) + done(1)
+               lanes%work(s) = lanes%work(s) + done(2)
+            end associate
          end do
       end do
    end subroutine count_work

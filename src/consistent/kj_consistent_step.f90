@@ -17,8 +17,8 @@ module kj_consistent_step
    implicit none
    private
 
-   public :: split_step, step_on, find_forces, place_node, place_nodes, reach_motions, &
-      reach_motion
+   public :: split_step, step_to_loads, step_from_loads, find_forces, place_node, place_nodes, &
+      reach_motions, reach_motion
 
    !> What threads do with pieces of leads: one thing or the sum of several, in this order
    integer, parameter :: MOVE = 1, OPEN = 2, GATHERING = 4, WEIGH = 8, LOOK = 16, KICKING = 32
@@ -41,6 +41,7 @@ contains
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
 
+      type(step_t) :: step
       real(wp) :: started
 
       call next_cycle(model%team, state%trial)
@@ -53,23 +54,36 @@ contains
       state%cycle = min(state%cycle, huge(state%cycle) - 1) + 1     ! no more can be counted
       state%time = state%time + h
       call set_clock(model, h, state)
-      call step_on(model, midpoint, state)
+      step%midpoint = midpoint
+      step%h = h
+      call to_new_pose(MOVE, KICKING, model, step, state)
       state%trial%spent = state%trial%spent + (team_clock(model%team) - started)
    end subroutine split_step
 
-   !> The same from poses%time - poses%h to poses%time, by itself: motions and clock of the state
-   !> are left to others
-   subroutine step_on(model, midpoint, state)
+   !> The same from poses%time - poses%h to poses%time, up to where loads act, by itself: motions,
+   !> clock and work of the state are left to others, and so are loads
+   subroutine step_to_loads(model, midpoint, loaded, state)
       type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
+      logical, intent(in) :: loaded                  !! there are loads
       type(consistent_state_t), intent(inout) :: state
 
       type(step_t) :: step
 
       step%midpoint = midpoint
-      step%h = state%h
-      call to_new_pose(MOVE, KICKING, model, step, state)
-   end subroutine step_on
+      call to_loads(MOVE, KICKING, loaded, model, step, state)
+   end subroutine step_to_loads
+
+   !> From there to the end of the step
+   subroutine step_from_loads(model, loaded, state)
+      type(consistent_model_t), intent(in) :: model
+      logical, intent(in) :: loaded
+      type(consistent_state_t), intent(inout) :: state
+
+      type(step_t) :: step
+
+      call from_loads(KICKING, loaded, model, step, state)
+   end subroutine step_from_loads
 
    !> Forces and moments of all leads in the pose reached. h = 0: at the start, dampers from the
    !> velocities as they are.
@@ -103,39 +117,63 @@ contains
    end subroutine set_clock
 
    !> Leads come to the new pose, forces of all but the dampers follow, these from what leads look
-   !> at then, and the end of the step. Leads do all that lies between two looks of the joints in
-   !> one go, except where nodes or loads come between.
+   !> at then, and the end of the step
    subroutine to_new_pose(first, last, model, step, state)
       integer, intent(in) :: first, last             !! what leads do before joints, and after them
       type(consistent_model_t), intent(in) :: model
       type(step_t), intent(in) :: step
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: before
+      logical :: loaded
 
-      before = merge(LOOK, last, model%damped)       ! before the dampers, or the end
+      ! loads act beside joints and gravity
+      loaded = size(model%cload) > 0 .or. allocated(state%f_host)
+      call to_loads(first, last, loaded, model, step, state)
+      if (first == MOVE) call count_work(FIRST_HALF, state)
+      call count_gravity(model, step%h, state)
+      if (loaded) call add_loads(model, state)
+      if (loaded) call add_host_loads(step%h, state)
+      call from_loads(last, loaded, model, step, state)
+      if (last == KICKING) call count_work(SECOND_HALF, state)
+   end subroutine to_new_pose
+
+   !> Up to where loads act. Leads do all that lies between two looks of the joints in one go,
+   !> except where nodes or loads come between.
+   subroutine to_loads(first, last, loaded, model, step, state)
+      integer, intent(in) :: first, last
+      logical, intent(in) :: loaded
+      type(consistent_model_t), intent(in) :: model
+      type(step_t), intent(in) :: step
+      type(consistent_state_t), intent(inout) :: state
+
       call for_leads(first, model, step, state)
       if (size(model%placed) > 0) call place_nodes(model, state)
       call find_gravity(model, state)
       call for_joints(SPRINGS, model, state)
-      if (is_loaded(model, state)) then
-         call for_leads(GATHERING + WEIGH, model, step, state)
-      else
-         call for_leads(GATHERING + WEIGH + before, model, step, state)
-      end if
-      if (first == MOVE) call count_work(FIRST_HALF, state)
-      call count_gravity(model, step%h, state)
-      if (is_loaded(model, state)) then
-         call add_loads(model, state)
-         call add_host_loads(step%h, state)
-         call for_leads(before, model, step, state)
-      end if
-      if (model%damped) then
-         call for_joints(DAMPERS, model, state)
-         call for_leads(GATHERING + last, model, step, state)
-      end if
-      if (last == KICKING) call count_work(SECOND_HALF, state)
-   end subroutine to_new_pose
+      call for_leads(GATHERING + WEIGH + merge(NOTHING, after_loads(last, model), loaded), &
+         model, step, state)
+   end subroutine to_loads
+
+   subroutine from_loads(last, loaded, model, step, state)
+      integer, intent(in) :: last
+      logical, intent(in) :: loaded
+      type(consistent_model_t), intent(in) :: model
+      type(step_t), intent(in) :: step
+      type(consistent_state_t), intent(inout) :: state
+
+      if (loaded) call for_leads(after_loads(last, model), model, step, state)
+      if (.not. model%damped) return
+      call for_joints(DAMPERS, model, state)
+      call for_leads(GATHERING + last, model, step, state)
+   end subroutine from_loads
+
+   !> What leads do once loads act: before the dampers, or at the end
+   pure integer function after_loads(last, model) result(what)
+      integer, intent(in) :: last
+      type(consistent_model_t), intent(in) :: model
+
+      what = merge(LOOK, last, model%damped)
+   end function after_loads
 
    !> Something with all leads, piece by piece: in threads, or without them. Even a team of one
    !> thread costs a microsecond, more than the stage of a few joints.
@@ -234,14 +272,6 @@ contains
          end select
       end associate
    end subroutine work_on_joints
-
-   !> Loads act on leads beside joints and gravity
-   pure logical function is_loaded(model, state)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
-
-      is_loaded = size(model%cload) > 0 .or. allocated(state%f_host)
-   end function is_loaded
 
    !> What imposed displacements and accelerations have reached
    subroutine reach_motions(model, h, mean, final, active, state)

@@ -13,15 +13,13 @@ module kj_consistent_topology
 
 contains
 
-   !> A scene whose steps others may take: no large one, no force acts on it but those of joints and
-   !> constant gravity, and no axes that move are read
+   !> A scene whose steps others may take: no large one, with constant gravity, without a host
    pure logical function is_small(model, state) result(small)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
 
       small = model%n_element <= MOST_ELEMENTS .and. model%n_element > 0 .and. &
          model%team%threads == 1 .and. size(model%map%hub) == 0 .and. &
-         size(model%cload) + size(model%placed) == 0 .and. &
          all(model%steady) .and. &
          .not. (allocated(state%f_host) .or. allocated(state%compliant))
    end function is_small

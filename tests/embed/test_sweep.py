@@ -136,8 +136,16 @@ class Sweeps(Folder):
         for name in ("door_hinge", "slider_tolerance", "spring_mount"):
             subprocess.run([KJOINT, "new", name], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
         door = self.folder / "door_hinge_0000.rad"
+        # a disc on a hinge: a force on its rim in axes that turn with it, a moment and a force on its main node that
+        # follow time, place and velocity, and a condition in those axes
+        disc = self.folder / "node_axes_0000.rad"
+        loads = [f"/CLOAD/{i}\nload\n{1:10}{way:>10}{skew:10}{0:10}{group:10}{kind:10}{1.0:20}{size:20}\n" for i, (way, skew, group, kind, size) in
+                 enumerate((("Y", 5, 1009, 0, 2.0), ("ZZ", 0, 1005, 0, 0.7), ("X", 0, 1005, 2, 3.0), ("Y", 5, 1009, 3, 0.5)), 1)]
+        disc.write_text((REV01.parents[2] / "runs" / disc.name).read_text().replace("2022", "2023", 1).replace("/TH/NODE/11\n", (
+            "/FUNCT/1\nrising\n" + f"{-9.0:20}{-9.0:20}\n{9.0:20}{9.0:20}\n" + f"/GRNOD/NODE/1009\nrim\n{202:10}\n" + "".join(loads)
+            + f"/BCS/9\nin its plane\n   001 000{5:10}{1005:10}\n/TH/NODE/11\n"), 1))
         for deck, n, options in ((self.deck, 70, dict(until=0.02, sample=1e-3)), (door, 12, {}),
-                                 (self.folder / "slider_tolerance_0000.rad", 5, dict(until=0.01, sample=1e-4)),
+                                 (disc, 9, dict(until=0.05, sample=5e-3)), (self.folder / "slider_tolerance_0000.rad", 5, dict(until=0.01, sample=1e-4)),
                                  (self.folder / "spring_mount_0000.rad", 5, dict(until=0.1, sample=1e-2))):
             def models():
                 made = [kjoint.Model(deck, **{**options, "dt_scale": 0.9 - 0.7*k/n}) for k in range(n)]
