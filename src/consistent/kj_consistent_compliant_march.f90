@@ -24,8 +24,8 @@ module kj_consistent_compliant_march
    integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
    real(wp), parameter :: TOO_LARGE = 4.0_wp     !! error of a step over the allowed: taken back
    real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
-   real(wp), parameter :: START_PART = 0.02_wp   !! of the run, first steps at most: their error
-   real(wp), parameter :: USUAL = 1.0e-3_wp      !! does not count; less below this tolerance
+   real(wp), parameter :: START_PART = 0.02_wp   !! of the run, first steps at most: what gives way
+   real(wp), parameter :: USUAL = 1.0e-3_wp      !! at once is no error; less below this tolerance
 
    !> Step control
    type :: pace_t
@@ -93,8 +93,50 @@ contains
          state%compliant%kinetic = kinetic
       end if
       call take_limit(model, state, self)
+      call try_first_steps(model, state, self)
       if (self%limited) call look_at_stops(model, state, self, late)
    end subroutine start_pace
+
+   !> The error of the first steps does not tell by itself, nor can they be taken back: they are as
+   !> long as one on a copy of the scene whose error does, and is small enough
+   subroutine try_first_steps(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(pace_t), intent(inout) :: self
+
+      type(consistent_state_t) :: copy
+      real(wp) :: h, change
+      logical :: good
+      integer :: try, i
+
+      do try = 0, MOST_HALVINGS
+         h = min(self%limit, self%first, (next_target(state%time + self%span, state%time, self) - &
+            state%time)/(FREE_STEPS + 1))
+         if (model%control%sample > 0.0_wp) h = min(h, model%control%sample)
+         copy = state
+         do i = 0, FREE_STEPS
+            call expect_error(h, self, copy%compliant)
+            call compliant_step(model, h, copy, good)
+            if (.not. good) exit
+         end do
+         change = 0.5_wp
+         if (good) change = 0.9_wp*sqrt(self%tolerance/self%span*h/ &
+            max(error_of(copy%compliant), tiny(h)))
+         if (change > 0.9_wp) return
+         self%h_error = change*h
+         self%limit = min(self%limit, self%h_error)
+      end do
+   end subroutine try_first_steps
+
+   !> What a step is held against that follows none: the error that it may have
+   pure subroutine expect_error(h, self, c)
+      real(wp), intent(in) :: h
+      type(pace_t), intent(in) :: self
+      type(compliant_t), intent(inout) :: c
+
+      if (c%e_way <= 0.0_wp) c%e_way = self%tolerance*c%size*h/self%span
+      if (c%e_turn <= 0.0_wp) c%e_turn = self%tolerance*h/self%span
+   end subroutine expect_error
 
    !> Times at which something begins or ends
    subroutine list_events(model, self)
@@ -172,10 +214,7 @@ contains
          target = next_target(t_end, state%time, self)
          if (self%left == 0 .or. abs(target - self%target) > 0.0_wp) &
             call divide(target, state, self)
-         if (state%compliant%e_way <= 0.0_wp) state%compliant%e_way = self%tolerance* &
-            state%compliant%size*self%h/self%span
-         if (state%compliant%e_turn <= 0.0_wp) state%compliant%e_turn = self%tolerance*self%h/ &
-            self%span
+         call expect_error(self%h, self, state%compliant)
          call compliant_step(model, self%h, state, good)
          self%passes = self%passes + state%compliant%passes
          if (.not. good) then
