@@ -23,6 +23,7 @@ module kj_consistent_compliant_march
    integer, parameter :: MOST_TRIES = 12
    integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
    real(wp), parameter :: TOO_LARGE = 4.0_wp     !! error of a step over the allowed: taken back
+   real(wp), parameter :: LEAST_PART = 0.25_wp   !! of the error of a mean step: may always be
    real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
    real(wp), parameter :: START_PART = 0.02_wp   !! of the run, first steps at most: what gives way
    real(wp), parameter :: USUAL = 1.0e-3_wp      !! at once is no error; less below this tolerance
@@ -48,7 +49,7 @@ module kj_consistent_compliant_march
       real(wp) :: h = 0.0_wp
       integer :: left = 0                        !! of these steps
       integer :: since = 0                       !! steps since the last look
-      real(wp) :: drift = 0.0_wp                 !! sum of error over h since then
+      real(wp) :: drift = 0.0_wp                 !! sum of errors over the allowed since then
       integer :: failed = 0                      !! halvings in a row
       integer :: tries = 0                       !! of a step, after the first
       integer :: passes = 0, halvings = 0, rejected = 0   !! of the run
@@ -312,10 +313,10 @@ contains
       associate (c => state%compliant)
          if (c%jump > FREE_STEPS) then
             e = error_of(c)
-            allowed = TOO_LARGE*self%tolerance/self%span*self%h
-            if (e > allowed) then
+            allowed = allowed_error(state, self%h, self)
+            if (e > TOO_LARGE*allowed) then
                wrong = .true.
-               self%h_error = max(0.3_wp, 0.9_wp*sqrt(allowed/(TOO_LARGE*e)))*self%h
+               self%h_error = max(0.3_wp, 0.9_wp*sqrt(allowed/e))*self%h
                self%limit = min(self%limit, self%h_error)
                self%since = 0
                self%drift = 0.0_wp
@@ -328,6 +329,17 @@ contains
       wrong = .true.
       self%h_stop = max(step, 0.25_wp*self%h)
    end function is_wrong
+
+   !> Error that a step h may have. Its part of the run, or a part of what the steps so far had on
+   !> average, which sums to no more than a logarithm of their number: what shakes by itself where a
+   !> mechanism is singular is as wrong per time in shorter steps.
+   pure real(wp) function allowed_error(state, h, self) result(e)
+      type(consistent_state_t), intent(in) :: state
+      real(wp), intent(in) :: h
+      type(pace_t), intent(in) :: self
+
+      e = self%tolerance/self%span*max(h, LEAST_PART*state%time/max(1, state%cycle))
+   end function allowed_error
 
    !> Estimated error of the last step, of the size of the scene or in rad
    pure real(wp) function error_of(c) result(e)
@@ -343,7 +355,7 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(pace_t), intent(inout) :: self
 
-      real(wp) :: allowed, change, before
+      real(wp) :: change, before
       logical :: late
 
       if (self%limited) call look_at_stops(model, state, self, late)
@@ -352,11 +364,10 @@ contains
          return
       end if
       self%since = self%since + 1
-      self%drift = self%drift + error_of(state%compliant)/self%h
-      allowed = self%tolerance/self%span
+      self%drift = self%drift + error_of(state%compliant)/allowed_error(state, self%h, self)
       if (self%since < LOOK) return
       before = self%limit
-      change = 0.9_wp*sqrt(allowed*self%since/max(self%drift, tiny(change)))
+      change = 0.9_wp*sqrt(self%since/max(self%drift, tiny(change)))
       change = max(0.3_wp, min(2.0_wp, change))
       if (change < 0.8_wp .or. change > 1.2_wp) self%h_error = &
          change*min(self%h, self%h_error)

@@ -26,7 +26,10 @@ module kj_consistent_compliant_step
 
    public :: compliant_step, look_ahead, prepare, put_locks, velocity_sides, velocity_forces
 
-   integer, parameter :: MOST_PASSES = 8
+   !> with the Kn of the deck, and with infinite ones
+   integer, parameter :: MOST_PASSES(2) = [8, 12]
+   real(wp), parameter :: GROWTH(2) = [10.0_wp, 100.0_wp]   !! of the residual in a pass: it fails
+   real(wp), parameter :: SLOW = 0.5_wp          !! of a change that the next one should stay below
    integer, parameter :: RENEW = 8               !! steps between two looks at the stiffness bound
    real(wp), parameter :: UNLIKE = 1.6_wp        !! ratio of steps that is a jump to the joints
    real(wp), parameter :: FORGET = 0.5_wp        !! of a step, by which a longer one is forgotten
@@ -104,9 +107,9 @@ contains
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
-      real(wp) :: left(2), last, change(2), force(2), scale
+      real(wp) :: left(2), last, change(2), force(2), scale, before, part
       logical :: settled, close_by
-      integer :: pass
+      integer :: pass, kind
 
       call keep_leads(state)
       state%poses%h = h
@@ -115,8 +118,11 @@ contains
          if (.not. good) return
          settled = self%known == state%cycle .and. abs(h - self%h_known) <= 0.0_wp
          last = huge(last)
+         before = huge(before)
+         part = 1.0_wp
          scale = max(self%size, tiny(scale))
-         do pass = 0, MOST_PASSES
+         kind = merge(2, 1, self%rigid)
+         do pass = 0, MOST_PASSES(kind)
             if (pass > 0) call restore_leads(state)
             call put_forces(model, .true., self, state)
             call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
@@ -128,7 +134,8 @@ contains
             if (good .and. settled) return
             close_by = good
             good = .false.
-            if (pass == MOST_PASSES .or. .not. max(left(1)/scale, left(2)) <= 10.0_wp*last) exit
+            if (pass == MOST_PASSES(kind) .or. &
+               .not. max(left(1)/scale, left(2)) <= GROWTH(kind)*last) exit
             last = max(left(1)/scale, left(2))
             call solve_rows(model, .false., self)
             call find_changes(model, self, change, force)
@@ -137,7 +144,14 @@ contains
                change(2) <= scale*CLOSE*force(1) + LAST_BITS*self%stiffest(2)
             good = close_by .and. settled        ! what would change is too little for a new pose
             if (good) return
-            call correct_all(model, self)
+            change(1) = max(change(1), change(2)/scale)
+            if (self%rigid .and. change(1) > SLOW*before) then
+               part = part*relaxation(model, self)
+            else
+               part = 1.0_wp
+            end if
+            before = change(1)
+            call correct_all(model, part, self)
          end do
          call find_worst(model, self)
       end associate
@@ -246,9 +260,37 @@ contains
       end do
    end subroutine find_changes
 
-   !> f := f + r
-   pure subroutine correct_all(model, self)
+   !> Part of the last part of a change that is made, by Aitken: where a step leads through a
+   !> singular position a change of f acts against what the matrix says
+   pure real(wp) function relaxation(model, self) result(part)
       type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(in) :: self
+
+      real(wp) :: along, square
+      integer :: b, at, n, k
+
+      along = 0.0_wp
+      square = 0.0_wp
+      do b = 1, size(model%batch)
+         if (.not. self%rowed(b)) cycle
+         do at = 1, size(self%joint(b)%block)
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            associate (rows => self%joint(b)%block(at))
+               do k = 1, self%last(b)
+                  along = along + sum(rows%asked(:n, k)*(rows%asked(:n, k) - rows%r(:n, k)))
+                  square = square + sum((rows%asked(:n, k) - rows%r(:n, k))**2)
+               end do
+            end associate
+         end do
+      end do
+      part = 1.0_wp
+      if (square > 0.0_wp) part = along/square
+   end function relaxation
+
+   !> f := f + part r
+   pure subroutine correct_all(model, part, self)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: part
       type(compliant_t), intent(inout) :: self
 
       integer :: b, at, n, i, k
@@ -261,7 +303,8 @@ contains
                do k = 1, self%last(b)
                   !$omp simd
                   do i = 1, n
-                     rows%f(i, k) = rows%f(i, k) + rows%r(i, k)
+                     rows%f(i, k) = rows%f(i, k) + part*rows%r(i, k)
+                     rows%asked(i, k) = rows%r(i, k)
                   end do
                end do
             end associate

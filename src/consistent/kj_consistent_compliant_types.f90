@@ -27,6 +27,7 @@ module kj_consistent_compliant_types
       real(wp) :: f_last(BLOCK, 6) = 0.0_wp      !! that of the last step
       real(wp) :: f_before(BLOCK, 6) = 0.0_wp    !! that of the step before
       real(wp) :: f_third(BLOCK, 6) = 0.0_wp     !! and before that
+      real(wp) :: asked(BLOCK, 6) = 0.0_wp       !! change of f that the last pass asked for
       real(wp) :: g(BLOCK, 6) = 0.0_wp           !! multipliers of the velocity stage
       real(wp) :: force(BLOCK, 6) = 0.0_wp       !! of implicit rows at the last time shown
       real(wp) :: rest(BLOCK, 6) = 0.0_wp        !! forces of dampers beside their rows

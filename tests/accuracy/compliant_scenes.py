@@ -25,6 +25,7 @@ class Scene:
         self.size = {"m": 1.0, "dm": 10.0, "mm": 1000.0}[length]
         self.nodes, self.members, self.cards, self.skews, self.joints = [], [], [], 0, 0
         self.held, self.free = [], []
+        self.bodies, self.links = [], []             # as they were given, for tools/bench_mechanisms.py
 
     def node(self, x):
         self.nodes.append(tuple(x))
@@ -37,8 +38,9 @@ class Scene:
         self.members.append((main, [], mass, inertia))
         (self.held if held else self.free).append(main)
         number = len(self.members)
+        speed = [*(velocity if velocity is not None else (0, 0, 0)), *(spin if spin is not None else (0, 0, 0))]
+        self.bodies.append({"x": np.array(x, float), "mass": mass, "inertia": inertia, "speed": speed, "held": held})
         if velocity is not None:
-            speed = [*velocity, *(spin if spin is not None else (0, 0, 0))]
             self.cards.append(f"/INIVEL/TRA/{2*number - 1}\nv\n{reals(*self.size * np.array(speed[:3]))}{ids(number + 1000)}")
             self.cards.append(f"/INIVEL/ROT/{2*number}\nw\n{reals(*speed[3:])}{ids(number + 1000)}")
             self.cards.append(f"/GRNOD/NODE/{number + 1000}\nmain\n{ids(main)}")
@@ -55,6 +57,7 @@ class Scene:
         """law: stiffness and damping of the one free direction"""
         x, e1 = np.array(x, float), np.array(axis, float) / np.linalg.norm(axis)
         e2 = np.cross(e1, [0, 0, 1] if abs(e1[2]) < 0.9 else [1, 0, 0])
+        self.links.append({"kind": kind, "ends": (body1, body2), "x": x, "axis": e1, "law": law})
         ends = []
         for body in (body1, body2):
             triad = [self.node(x), self.node(x + 0.1 * e1), self.node(x + 0.1 * e2)]
