@@ -19,12 +19,9 @@ contains
       call check_started(sim, error)
       if (.not. allocated(error)) call check_values([factor], error)
       if (allocated(error)) return
-      do i = 1, size(sim%model%cload)
-         if (sim%model%cload(i)%id /= id) cycle
-         sim%model%cload(i)%y_scale = factor*sim%load_scale(i)
-         return
-      end do
-      call fail(error, ERR_INPUT, 'there is no concentrated load '//str(id))
+      i = findloc(sim%model%cload%id, id, 1)
+      if (i > 0) sim%model%cload(i)%y_scale = factor*sim%load_scale(i)
+      if (i == 0) call fail(error, ERR_INPUT, 'there is no concentrated load '//str(id))
    end procedure set_load_factor
 
    module procedure set_body_velocity

@@ -157,10 +157,8 @@ contains
       b = 0
       call check_started(sim, error)
       if (allocated(error)) return
-      do b = 1, sim%model%n_body
-         if (sim%model%body_id(b) == id) return
-      end do
-      call fail(error, ERR_INPUT, 'there is no rigid body '//str(id))
+      b = findloc(sim%model%body_id, id, 1)
+      if (b == 0) call fail(error, ERR_INPUT, 'there is no rigid body '//str(id))
    end subroutine find_body
 
    !> Index of a joint. Errors: ERR_INPUT
@@ -173,10 +171,8 @@ contains
       j = 0
       call check_started(sim, error)
       if (allocated(error)) return
-      do j = 1, sim%model%n_joint
-         if (sim%model%joint(j)%id == id) return
-      end do
-      call fail(error, ERR_INPUT, 'there is no joint '//str(id))
+      j = findloc(sim%model%joint(:sim%model%n_joint)%id, id, 1)
+      if (j == 0) call fail(error, ERR_INPUT, 'there is no joint '//str(id))
    end subroutine find_joint
 
    module procedure node_position
@@ -185,12 +181,9 @@ contains
       x = 0.0_wp
       call check_started(sim, error)
       if (allocated(error)) return
-      do i = 1, sim%model%n_node
-         if (sim%model%node_id(i) /= id) cycle
-         x = node_place(sim%model, sim%scheme, i)
-         return
-      end do
-      call fail(error, ERR_INPUT, 'there is no node '//str(id))
+      i = findloc(sim%model%node_id, id, 1)
+      if (i > 0) x = node_place(sim%model, sim%scheme, i)
+      if (i == 0) call fail(error, ERR_INPUT, 'there is no node '//str(id))
    end procedure node_position
 
    module procedure joint_state

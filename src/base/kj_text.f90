@@ -3,7 +3,7 @@ module kj_text
    implicit none
    private
 
-   public :: text_t, append_text, as_utf8, is_plain
+   public :: text_t, append_text, fact, as_utf8, is_plain
 
    !> A text of any length
    type :: text_t
@@ -106,5 +106,19 @@ contains
       end do
       is_utf8 = .true.
    end function is_utf8
+
+   !> Value of a named fact, `default` when there is none
+   pure function fact(name, names, values, default) result(value)
+      character(len=*), intent(in) :: name, default
+      type(text_t), intent(in) :: names(:), values(:)
+      character(len=:), allocatable :: value
+
+      integer :: i
+
+      value = default
+      do i = 1, size(names)
+         if (names(i)%s == name) value = values(i)%s
+      end do
+   end function fact
 
 end module kj_text

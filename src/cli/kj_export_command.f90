@@ -6,7 +6,7 @@ module kj_export_command
    use kj_output, only: settle_output, write_output, find_part, is_written
    use kj_export, only: export_csv, export_json
    use kj_write_t01, only: write_t01
-   use kj_text, only: text_t
+   use kj_text, only: text_t, fact
    use kj_python_command, only: run_python, add_words
    use kj_option, only: arguments_t, OPT_OUTPUT, OPT_TO, OPT_SEPARATOR, OPT_DECIMAL, OPT_TFILE, &
       option_real, OPT_JSON, OPT_PROFILE, OPT_INTERP, OPT_WINDOW, OPT_PLOT, OPT_CHANNELS, &
@@ -372,9 +372,7 @@ contains
       if (.not. allocated(error) .and. names /= '') call find_series(history, names, series, error)
       call close_history_file(reader, closing)
       if (allocated(error)) return
-      do i = 1, size(facts)
-         if (facts(i)%s == 'status') status = values(i)%s
-      end do
+      status = fact('status', facts, values, '')
       line = status//'  '//str(n_row)//' samples'
       if (n == 0) return
       line = line//row_text(history, rows(:, n))

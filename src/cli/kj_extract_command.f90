@@ -222,10 +222,7 @@ contains
                bodies//' in the full deck: '//counted(p%n, 'element', 'elements'))
          end associate
       end do
-      n = 0
-      do i = 1, size(report%bridge)
-         if (report%bridge(i)%void) n = n + report%bridge(i)%n
-      end do
+      n = sum(report%bridge%n, report%bridge%void)
       if (n > 0) call print_line('          '//counted(n, 'element', 'elements')// &
          ' of /MAT/VOID between bodies carry no force in the full deck either')
    end subroutine print_means

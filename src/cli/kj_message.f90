@@ -284,10 +284,8 @@ contains
          if (digits(row:row) == ' ') digits(row:row) = '0'
       end do
       wanted = 'KJ-'//digits
-      do row = 1, size(messages)
-         if (messages(row)%id == wanted .and. len_trim(id) < first + 4) return
-      end do
-      row = 0
+      row = findloc(messages%id, wanted, 1)
+      if (len_trim(id) >= first + 4) row = 0
    end function find_message
 
 end module kj_message

@@ -290,9 +290,8 @@ contains
       integer :: row
 
       command = 0
-      do row = 1, size(commands)
-         if (commands(row)%name == name) command = commands(row)%id
-      end do
+      row = findloc(commands%name, name, 1)
+      if (row > 0) command = commands(row)%id
       if (name == '--help' .or. name == '-h') command = CMD_HELP
       if (name == '-V' .or. name == 'version') command = CMD_VERSION
       if (command > 0) return

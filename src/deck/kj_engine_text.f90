@@ -365,10 +365,7 @@ contains
    pure integer function find_engine_word(word) result(row)
       character(len=*), intent(in) :: word     !! its first five characters count
 
-      do row = 1, size(engine_words)
-         if (engine_words(row)%name == word(:min(5, len(word)))) return
-      end do
-      row = 0
+      row = findloc(engine_words%name, word(:min(5, len(word))), 1)
    end function find_engine_word
 
    !> The first word of a header is one of an engine deck

@@ -12,7 +12,7 @@ module kj_info
       CH_FINAL, CH_OWNER_KIND, CH_OWNER, OF_JOINT, OF_SPRING
    use kj_history, only: history_t, variable_t, n_entity, entity_title, place_of
    use kj_output, only: find_part, is_written
-   use kj_text, only: text_t, append_text
+   use kj_text, only: text_t, append_text, fact
    use kj_reader, only: history_reader_t, open_history_file, next_row, read_facts, &
       close_history_file
    use kj_series, only: channel_path
@@ -345,20 +345,6 @@ contains
             right(' '//few(survey%peak_time(v), 6), NUMBER_WIDTH))
       end do
    end subroutine add_energies
-
-   !> Value of a named fact, `default` when there is none
-   pure function fact(name, names, values, default) result(value)
-      character(len=*), intent(in) :: name, default
-      type(text_t), intent(in) :: names(:), values(:)
-      character(len=:), allocatable :: value
-
-      integer :: i
-
-      value = default
-      do i = 1, size(names)
-         if (names(i)%s == name) value = values(i)%s
-      end do
-   end function fact
 
    !> Both texts with `link` between them, the first alone when the second is empty
    pure function joined(first, link, second) result(text)

@@ -4,7 +4,7 @@
 module kj_recover
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
-   use kj_text, only: text_t
+   use kj_text, only: text_t, fact
    use kj_channels, only: AS_I32, AS_I64, CH_CYCLE
    use kj_history, only: history_t
    use kj_system, only: remove_file
@@ -80,7 +80,7 @@ contains
       type(history_t) :: history
       type(text_t), allocatable :: names(:), values(:)
       real(wp), allocatable :: row(:, :)
-      integer :: n_row, most, n, i
+      integer :: n_row, most, n
       logical :: running, cut
 
       call open_h5_history(path, reader, history, n_row, error)
@@ -98,10 +98,7 @@ contains
       if (n == 0 .and. most > 0 .and. .not. allocated(error)) &
          call fail(error, ERR_FILE, 'it has no whole row')
       if (allocated(error)) return
-      running = .false.
-      do i = 1, size(names)
-         if (names(i)%s == 'status') running = values(i)%s == 'RUNNING'
-      end do
+      running = fact('status', names, values, '') == 'RUNNING'
       cut = n < most
       changed = changed .or. cut .or. running
       if (cut) call say('rows that all datasets have: '//str(n)//' of '//str(most)// &

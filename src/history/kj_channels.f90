@@ -188,10 +188,7 @@ contains
       integer, intent(in) :: owner            !! OF_ constant
       character(len=*), intent(in) :: name
 
-      do row = 1, size(channels)
-         if (channels(row)%owner == owner .and. channels(row)%name == name) return
-      end do
-      row = 0
+      row = findloc(channels%name, name, 1, channels%owner == owner)
    end function find_channel
 
    !> Row and component of a T01 variable code, 0 when our layout has none

@@ -63,10 +63,7 @@ contains
    pure integer function find_joint_type(id) result(row)
       integer, intent(in) :: id
 
-      do row = 1, size(joint_types)
-         if (joint_types(row)%id == id) return
-      end do
-      row = 0
+      row = findloc(joint_types%id, id, 1)
    end function find_joint_type
 
    !> The numbers there are, for messages: "1 to 9"
