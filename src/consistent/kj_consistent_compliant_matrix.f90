@@ -87,13 +87,15 @@ contains
       integer, intent(in) :: n
 
       real(wp) :: part
-      integer :: d
+      integer :: column, d
 
       do d = 1, n
          if (.not. acts(self, self%damper(d))) cycle
          associate (x => self%factor%x, damper => self%damper(d))
             part = x(damper%part, damper%column)/self%response(damper%part, damper%column, d)
-            x = x - part*self%response(:, :, d)
+            do column = 1, size(x, 2)
+               x(:, column) = x(:, column) - part*self%response(:, column, d)
+            end do
          end associate
       end do
    end subroutine take_out
@@ -316,8 +318,8 @@ contains
       logical, intent(in) :: active(:), tried
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: e(3, 3), m(3, 3), rows(4, 3, 3), free(4, 3, 2), s
-      integer :: i, part, lead
+      real(wp) :: e(3, 3), m(3, 3), turned(3, 3), quat(4), rows(4, 3, 3), free(4, 3, 2), s
+      integer :: i, k, part, lead
 
       do i = 1, size(self%hub)
          lead = self%hub(i)
@@ -328,13 +330,18 @@ contains
             s = max(model%mass(lead), tiny(s))
             m = model%mass(lead)*IDENTITY
             if (part == 2) then
-               e = reshape(columns(state%poses%quat(lead, :)), [3, 3])
+               quat = state%poses%quat(lead, :)
+               e = reshape(columns(quat), [3, 3])
                s = max(maxval(model%spin_inertia(lead, :)), 1.0e-6_wp*model%mass(lead), tiny(s))
-               m = matmul(e, spread(model%spin_inertia(lead, :), 2, 3)*transpose(e))
+               do k = 1, 3
+                  turned(k, :) = model%spin_inertia(lead, k)*e(:, k)
+               end do
+               m = matmul(e, turned)
             end if
             if (self%partly(lead)) then
                associate (p => self%free(:, :, part, lead))
-                  m = matmul(p, matmul(m, p)) + s*(IDENTITY - p)
+                  turned = matmul(m, p)
+                  m = matmul(p, turned) + s*(IDENTITY - p)
                end associate
             end if
             call put_triangle(-m(1, 1), -m(2, 1), -m(3, 1), -m(2, 2), -m(3, 2), -m(3, 3), &
