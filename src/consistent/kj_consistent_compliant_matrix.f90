@@ -194,6 +194,7 @@ contains
       real(wp) :: rows(4, 3, 3, 2), j(6), sign
       integer :: n, e, k, i
 
+      rows = 0.0_wp
       do n = 1, size(self%link)
          associate (link => self%link(n), lead => self%link(n)%end(1)%lead)
             do e = 1, 2
@@ -202,9 +203,8 @@ contains
             sign = merge(1.0_wp, -1.0_wp, link%end(1)%which == link%end(2)%which)
             j = (sign*self%share(lead))*self%ij(lead, :)
             rows(:, :, 1, 2) = (sign*self%im(lead))*rows(:, :, 1, 2)
-            do k = 2, 3
-               call weigh(j, rows(:, :, k, 2))
-            end do
+            call weigh(j, rows(:, :, 2, 2))
+            if (link%place(1, 2) /= 0) call weigh(j, rows(:, :, 3, 2))
             do k = 1, 2
                do i = 1, 2
                   if (link%place(i, k) == 0) cycle
@@ -225,19 +225,20 @@ contains
       type(consistent_state_t), intent(in) :: state
       logical, intent(in) :: tried
       type(compliant_t), intent(in) :: self
-      real(wp), intent(out) :: rows(4, 3, 3)     !! the last of four is 0
+      real(wp), intent(inout) :: rows(4, 3, 3)   !! the last of four stays 0
 
       if (tried) then
-         call take_rows(end, self%joint(end%batch)%block(end%at)%b, rows)
+         call take_rows(end, self%last(end%batch) > 3, self%joint(end%batch)%block(end%at)%b, rows)
       else
-         call take_rows(end, state%joint(end%batch)%block(end%at)%b, rows)
+         call take_rows(end, self%last(end%batch) > 3, state%joint(end%batch)%block(end%at)%b, rows)
       end if
    end subroutine gather
 
-   pure subroutine take_rows(end, b, rows)
+   pure subroutine take_rows(end, turned, b, rows)
       type(end_t), intent(in) :: end
+      logical, intent(in) :: turned              !! some rows are rotations
       type(matrix_t), intent(in) :: b
-      real(wp), intent(out) :: rows(4, 3, 3)
+      real(wp), intent(inout) :: rows(4, 3, 3)
 
       integer :: k, l
 
@@ -246,10 +247,15 @@ contains
             do k = 1, 3
                rows(k, l, 1) = b%force(i, 3*k - 3 + l)
                rows(k, l, 2) = b%couple(i, 3*k - 3 + l)
-               rows(k, l, 3) = b%turn(i, 3*k - 3 + l)
             end do
-            rows(4, l, :) = 0.0_wp
          end do
+         if (turned) then
+            do l = 1, 3
+               do k = 1, 3
+                  rows(k, l, 3) = b%turn(i, 3*k - 3 + l)
+               end do
+            end do
+         end if
          if (end%which == 1) return
          !$omp simd
          do k = 1, 4
@@ -348,6 +354,7 @@ contains
                self%factor%diagonal(:, :, self%pattern%column(self%body(lead) + part - 1)))
          end do
       end do
+      rows = 0.0_wp
       do i = 1, size(self%tie)
          associate (tie => self%tie(i), lead => self%tie(i)%end%lead, below => self%factor%below)
             call gather(tie%end, state, tried, self, rows)
