@@ -54,8 +54,9 @@ function(kjoint_library target)
     $<BUILD_INTERFACE:${mods}> $<INSTALL_INTERFACE:${install_mods}>)
 endfunction()
 
-# Sources of kjoint as one file, so that the compiler makes kernels for a single joint or lead where callers
-# give it that number, and no calls within a kernel; `result`: what is compiled
+# Sources of kjoint as one file, so that the compiler makes kernels for few joints or leads where callers
+# give it that number, and no calls within a kernel, of memcpy and memset neither, which take longer than few
+# joints. `result`: what is compiled
 function(kjoint_one_piece result)
   set(${result} ${ARGN} PARENT_SCOPE)
   if(CMAKE_BUILD_TYPE STREQUAL "Debug" OR NOT CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
@@ -66,8 +67,12 @@ function(kjoint_one_piece result)
   list(JOIN lines "\n" lines)
   file(CONFIGURE OUTPUT ${piece} CONTENT "${lines}\n" @ONLY)
   set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
-  set_source_files_properties(${piece} PROPERTIES COMPILE_OPTIONS "-fno-semantic-interposition;\
---param=ipa-cp-eval-threshold=1;--param=ipa-cp-unit-growth=400")
+  set(options -fno-semantic-interposition -fno-tree-loop-distribute-patterns --param=ipa-cp-eval-threshold=1
+    --param=ipa-cp-unit-growth=400)
+  if(KJOINT_MARCH AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    list(APPEND options -mprefer-vector-width=256)
+  endif()
+  set_source_files_properties(${piece} PROPERTIES COMPILE_OPTIONS "${options}")
   target_sources(kjoint PRIVATE ${piece})
   set(${result} ${piece} PARENT_SCOPE)
 endfunction()

@@ -1,5 +1,6 @@
 !> State of all joints of one batch under the consistent formulation.
 module kj_consistent_batch
+   use, intrinsic :: iso_c_binding, only: c_loc, c_f_pointer
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
@@ -11,7 +12,7 @@ module kj_consistent_batch
    private
 
    public :: matrix_t, consistent_block_t, limit_block_t, consistent_joint_t, &
-      new_consistent_joint, chart_of, frame_of, sprung_dofs, damped_dofs
+      new_consistent_joint, in_groups, group_at, chart_of, frame_of, sprung_dofs, damped_dofs
 
    !> The matrix B of q' = B u of a block of joints, as what unit forces do (kj_consistent_chart); W
    type :: matrix_t
@@ -58,6 +59,23 @@ module kj_consistent_batch
    end type consistent_joint_t
 
 contains
+
+   !> Whether the joints of a batch may go through kernels in parts: those of a small scene, which
+   !> have one step, without limits and memory, as these stand in blocks beside
+   pure logical function in_groups(batch)
+      type(joint_batch_t), intent(in) :: batch
+
+      in_groups = batch%n < BLOCK .and. .not. (batch%limited .or. is_hardened(batch))
+   end function in_groups
+
+   !> Joints of a block from a place on, as if their block began there
+   subroutine group_at(block, lane, group)
+      type(consistent_block_t), target, intent(in) :: block
+      integer, intent(in) :: lane
+      type(consistent_block_t), pointer, intent(out) :: group
+
+      call c_f_pointer(c_loc(block%q(lane, 1)), group)
+   end subroutine group_at
 
    !> Chart of a batch
    pure integer function chart_of(batch) result(chart)

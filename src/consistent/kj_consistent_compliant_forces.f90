@@ -150,7 +150,8 @@ contains
       at = (from - 1)/BLOCK + 1
       associate (batch => model%batch(b), rows => self%joint(b)%block(at), &
          lanes => state%joint(b)%block(at))
-         call laws(batch, model%curves, state%poses, from, n, rows%q, at, state%joint(b), f, lost)
+         call laws(batch, model%curves, state%poses, from, n, rows%q, at, lanes, state%joint(b), &
+            f, lost)
          do k = 1, NDOF
             if (.not. self%explicit(k, b)) then
                f(:n, k) = 0.0_wp

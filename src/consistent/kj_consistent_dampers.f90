@@ -6,8 +6,9 @@ module kj_consistent_dampers
    use kj_curve, only: curve_set_t, law_value
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, joint_batch_t, is_hardened
-   use kj_block, only: BLOCK
-   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, damped_dofs
+   use kj_block, only: BLOCK, block_of, lane_of, group_of
+   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, damped_dofs, &
+      in_groups, group_at
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_compliance, only: end_inertias, compliance
    use kj_consistent_hardening, only: hardened_damper
@@ -25,42 +26,51 @@ contains
    !> (1 + h/2 C S) (f - f_old) = C B v* - f_old, S = B M^-1 B^T with each body's inverse mass times
    !> its number of joints; for a curve C is its slope at B v* where that is positive. h = 0: f = C
    !> B v. lo is the first joint of a block.
-   pure subroutine add_dampers(batch, curves, poses, lo, hi, joint, wrench)
+   subroutine add_dampers(batch, curves, poses, lo, hi, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: lo, hi
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_joint_t), target, intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
-      integer :: from
+      type(consistent_block_t), pointer :: state
+      integer :: from, n
 
-      do from = lo, hi, BLOCK
-         select case (hi - from + 1)                    ! few joints: kernels of their own
+      from = lo
+      do while (from <= hi)
+         n = min(BLOCK, hi - from + 1)
+         if (in_groups(batch)) n = group_of(n)
+         call group_at(joint%block(block_of(from)), lane_of(from), state)
+         select case (n)
          case (1)
-            call dampers_of(1, batch, curves, poses, from, joint, wrench)
+            call dampers_of(1, batch, curves, poses, from, state, joint, wrench)
          case (2)
-            call dampers_of(2, batch, curves, poses, from, joint, wrench)
+            call dampers_of(2, batch, curves, poses, from, state, joint, wrench)
          case (3)
-            call dampers_of(3, batch, curves, poses, from, joint, wrench)
+            call dampers_of(3, batch, curves, poses, from, state, joint, wrench)
          case (4)
-            call dampers_of(4, batch, curves, poses, from, joint, wrench)
-         case (BLOCK:)
-            call dampers_of(BLOCK, batch, curves, poses, from, joint, wrench)
+            call dampers_of(4, batch, curves, poses, from, state, joint, wrench)
+         case (8)
+            call dampers_of(8, batch, curves, poses, from, state, joint, wrench)
+         case (BLOCK)
+            call dampers_of(BLOCK, batch, curves, poses, from, state, joint, wrench)
          case default
-            call dampers_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
+            call dampers_of(n, batch, curves, poses, from, state, joint, wrench)
          end select
+         from = from + n
       end do
    end subroutine add_dampers
 
-   !> The same for the n joints of a block that begins with `from`
-   pure subroutine dampers_of(n, batch, curves, poses, from, joint, wrench)
+   !> The same for n joints of a block, whose first is `from`
+   pure subroutine dampers_of(n, batch, curves, poses, from, state, joint, wrench)
       integer, value :: n
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_block_t), target, intent(inout) :: state     !! from these joints on
+      type(consistent_joint_t), target, intent(inout) :: joint     !! its blocks are not touched
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp), dimension(BLOCK, 6) :: rate, f, c
@@ -70,7 +80,7 @@ contains
 
       on = damped_dofs(batch)
       at = (from - 1)/BLOCK + 1
-      associate (state => joint%block(at), h => poses%h)
+      associate (h => poses%h)
          call rates(batch, on, poses%v, poses%w, from, n, state%b, rate)
          do k = 1, NDOF
             if (.not. on(k)) then
@@ -175,7 +185,7 @@ contains
       real(wp), intent(in) :: h(BLOCK), c(BLOCK, 6), s(BLOCK, 21)
       real(wp), intent(inout) :: f(BLOCK, 6)
 
-      real(wp) :: a(BLOCK, 21), d(BLOCK, 6), pivot(BLOCK, 6), part
+      real(wp) :: a(BLOCK, 21), d(BLOCK, 6), scale(BLOCK, 6), pivot(BLOCK, 6), part
       integer :: list(NDOF), many, i, k, l, m, x, y, z, at, row, column
 
       list = 0
@@ -187,7 +197,8 @@ contains
          !$omp simd
          do i = 1, n
             d(i, k) = sqrt(c(i, k))
-            f(i, k) = f(i, k)/merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)
+            scale(i, k) = merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)
+            f(i, k) = f(i, k)/scale(i, k)
          end do
       end do
       do x = 1, many
@@ -204,7 +215,10 @@ contains
       end do
       do x = 1, many
          k = list(x)
-         pivot(:n, k) = 1.0_wp/a(:n, k*(k + 1)/2)
+         !$omp simd
+         do i = 1, n
+            pivot(i, k) = 1.0_wp/a(i, k*(k + 1)/2)
+         end do
          do y = x + 1, many
             l = list(y)
             row = l*(l - 1)/2
@@ -227,15 +241,21 @@ contains
          k = list(x)
          do y = x + 1, many
             m = list(y)
-            f(:n, k) = f(:n, k) - a(:n, m*(m - 1)/2 + k)*f(:n, m)
+            !$omp simd
+            do i = 1, n
+               f(i, k) = f(i, k) - a(i, m*(m - 1)/2 + k)*f(i, m)
+            end do
          end do
-         f(:n, k) = f(:n, k)*pivot(:n, k)
+         !$omp simd
+         do i = 1, n
+            f(i, k) = f(i, k)*pivot(i, k)
+         end do
       end do
       do x = 1, many
          k = list(x)
          !$omp simd
          do i = 1, n
-            f(i, k) = f(i, k)*merge(d(i, k), 1.0_wp, d(i, k) > 0.0_wp)
+            f(i, k) = f(i, k)*scale(i, k)
          end do
       end do
    end subroutine solve

@@ -7,9 +7,9 @@ module kj_consistent_springs
    use kj_joint_types, only: NDOF, FRAME_FIXED, CHART_TWIST, CHART_VECTOR, CHART_UNIVERSAL
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, is_hardened, SPRING13, &
       joint_batch_t
-   use kj_block, only: BLOCK, turn_arm
+   use kj_block, only: BLOCK, block_of, lane_of, group_of, turn_arm
    use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, matrix_t, sprung_dofs, &
-      damped_dofs
+      damped_dofs, in_groups, group_at
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_dampers, only: count_damping
    use kj_consistent_hardening, only: hardened_forces
@@ -30,42 +30,51 @@ contains
    !> of springs and limits, and of the dampers as they were.
    !>
    !> lo is the first joint of a block: a multiple of BLOCK, plus 1.
-   pure subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
+   subroutine add_springs(batch, curves, poses, lo, hi, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: lo, hi
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_joint_t), target, intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_CONSISTENT_WRENCH, all joints)
 
-      integer :: from
+      type(consistent_block_t), pointer :: state
+      integer :: from, n
 
-      do from = lo, hi, BLOCK
-         select case (hi - from + 1)                    ! few joints: kernels of their own
+      from = lo
+      do while (from <= hi)
+         n = min(BLOCK, hi - from + 1)
+         if (in_groups(batch)) n = group_of(n)
+         call group_at(joint%block(block_of(from)), lane_of(from), state)
+         select case (n)
          case (1)
-            call springs_of(1, batch, curves, poses, from, joint, wrench)
+            call springs_of(1, batch, curves, poses, from, state, joint, wrench)
          case (2)
-            call springs_of(2, batch, curves, poses, from, joint, wrench)
+            call springs_of(2, batch, curves, poses, from, state, joint, wrench)
          case (3)
-            call springs_of(3, batch, curves, poses, from, joint, wrench)
+            call springs_of(3, batch, curves, poses, from, state, joint, wrench)
          case (4)
-            call springs_of(4, batch, curves, poses, from, joint, wrench)
-         case (BLOCK:)
-            call springs_of(BLOCK, batch, curves, poses, from, joint, wrench)
+            call springs_of(4, batch, curves, poses, from, state, joint, wrench)
+         case (8)
+            call springs_of(8, batch, curves, poses, from, state, joint, wrench)
+         case (BLOCK)
+            call springs_of(BLOCK, batch, curves, poses, from, state, joint, wrench)
          case default
-            call springs_of(min(BLOCK, hi - from + 1), batch, curves, poses, from, joint, wrench)
+            call springs_of(n, batch, curves, poses, from, state, joint, wrench)
          end select
+         from = from + n
       end do
    end subroutine add_springs
 
-   !> The same for the n joints of a block that begins with `from`
-   pure subroutine springs_of(n, batch, curves, poses, from, joint, wrench)
+   !> The same for n joints of a block, whose first is `from`
+   pure subroutine springs_of(n, batch, curves, poses, from, state, joint, wrench)
       integer, value :: n
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, intent(in) :: from
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_block_t), target, intent(inout) :: state     !! from these joints on
+      type(consistent_joint_t), target, intent(inout) :: joint     !! its blocks are not touched
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: q(BLOCK, 6), f(BLOCK, 6), rot(BLOCK, 9), moment(BLOCK, 3), lost(BLOCK)
@@ -75,39 +84,36 @@ contains
       sprung = sprung_dofs(batch)
       damped = damped_dofs(batch)
       at = (from - 1)/BLOCK + 1
-      associate (state => joint%block(at))
-         if (batch%geometry%damped .and. poses%h(1) > 0.0_wp) &
-            call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
-         call coordinates(batch, poses, from, n, state%q, q, state%b, rot)
-         call laws(batch, curves, poses, from, n, q, at, joint, f, lost)
-         call keep_coordinates(n, sprung, q, f, state)
-         if (batch%limited) then
-            state%elastic(:n) = state%elastic(:n) - lost(:n)
-            state%dissipated(:n) = state%dissipated(:n) + lost(:n)
-         end if
-         moment(:n, :) = 0.0_wp
-         if (batch%geometry%chart == CHART_VECTOR) then
-            if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
-         else if (any(sprung(4:6))) then
-            call add_moment(n, f(:, 4:6), state%b%turn, moment)
-         end if
-         if (batch%geometry%damped) then
-            call rates(batch, damped, poses%v, poses%w, from, n, state%b, q)
-            do k = 1, 6
-               if (.not. damped(k)) then
-                  q(:n, k) = 0.0_wp
-                  cycle
-               end if
-               state%qd(:n, k) = q(:n, k)
-               q(:n, k) = state%fd(:n, k)
-               if (batch%limited) q(:n, k) = q(:n, k) + joint%limit(at)%friction(:n, k)
-            end do
-            f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
-            if (any(damped(4:6))) call add_moment(n, q(:, 4:6), state%b%turn, moment)
-         end if
-         call put_wrench(n, batch%abreast, f(:, 1:3), moment, state%b, &
-            wrench(:, batch%first + from:))
-      end associate
+      if (batch%geometry%damped .and. poses%h(1) > 0.0_wp) &
+         call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
+      call coordinates(batch, poses, from, n, state%q, q, state%b, rot)
+      call laws(batch, curves, poses, from, n, q, at, state, joint, f, lost)
+      call keep_coordinates(n, sprung, q, f, state)
+      if (batch%limited) then
+         state%elastic(:n) = state%elastic(:n) - lost(:n)
+         state%dissipated(:n) = state%dissipated(:n) + lost(:n)
+      end if
+      moment(:n, :) = 0.0_wp
+      if (batch%geometry%chart == CHART_VECTOR) then
+         if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
+      else if (any(sprung(4:6))) then
+         call add_moment(n, f(:, 4:6), state%b%turn, moment)
+      end if
+      if (batch%geometry%damped) then
+         call rates(batch, damped, poses%v, poses%w, from, n, state%b, q)
+         do k = 1, 6
+            if (.not. damped(k)) then
+               q(:n, k) = 0.0_wp
+               cycle
+            end if
+            state%qd(:n, k) = q(:n, k)
+            q(:n, k) = state%fd(:n, k)
+            if (batch%limited) q(:n, k) = q(:n, k) + joint%limit(at)%friction(:n, k)
+         end do
+         f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
+         if (any(damped(4:6))) call add_moment(n, q(:, 4:6), state%b%turn, moment)
+      end if
+      call put_wrench(n, batch%abreast, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
    end subroutine springs_of
 
    !> Keep coordinates and spring forces, and count the work done on the springs
@@ -134,23 +140,23 @@ contains
       end do
    end subroutine keep_coordinates
 
-   !> Forces of springs, stops and locks, and the friction of the joints and its work; joint holds
-   !> the coordinates of the last step
-   pure subroutine laws(batch, curves, poses, from, n, q, at, joint, f, lost)
+   !> Forces of springs, stops and locks, and the friction of the joints and its work
+   pure subroutine laws(batch, curves, poses, from, n, q, at, state, joint, f, lost)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(poses_t), intent(in) :: poses
       integer, value :: from, n
       real(wp), intent(in) :: q(BLOCK, 6)
       integer, intent(in) :: at                  !! the block
-      type(consistent_joint_t), intent(inout) :: joint
+      type(consistent_block_t), target, intent(inout) :: state   !! with the last coordinates
+      type(consistent_joint_t), target, intent(inout) :: joint   !! its blocks are not touched
       real(wp), intent(out) :: f(BLOCK, 6), lost(BLOCK)
 
       real(wp), dimension(BLOCK, 6) :: now, before, slid, friction
       integer :: k, to
 
       if (is_hardened(batch)) then
-         call hardened_forces(batch, curves, poses%time, poses%h, from, n, q, joint%block(at), &
+         call hardened_forces(batch, curves, poses%time, poses%h, from, n, q, state, &
             joint%spring(at), f)
          return
       end if
@@ -162,7 +168,7 @@ contains
       end if
       to = from + n - 1
       now(:n, :) = q(:n, :)
-      before(:n, :) = joint%block(at)%q(:n, :)
+      before(:n, :) = state%q(:n, :)
       if (batch%geometry%shifted) then
          now(:n, 4:6) = now(:n, 4:6) + batch%angle0(from:to, :)
          before(:n, 4:6) = before(:n, 4:6) + batch%angle0(from:to, :)
@@ -173,11 +179,11 @@ contains
       if (.not. batch%limited) return
       slid(:n, :) = now(:n, :) - before(:n, :)
       if (batch%geometry%chart == CHART_VECTOR) call turn_in_frame(batch, poses%psi, from, n, &
-         joint%block(at)%b%turn, slid)
+         state%b%turn, slid)
       friction(:n, :) = joint%limit(at)%friction(:n, :)
       call add_limits(batch, curves, poses%time, poses%h, from, n, before, now, slid, &
          joint%limit(at), f, lost)
-      joint%block(at)%elastic(:n) = joint%block(at)%elastic(:n) + 0.5_wp* &
+      state%elastic(:n) = state%elastic(:n) + 0.5_wp* &
          sum(slid(:n, :)*(friction(:n, :) + joint%limit(at)%friction(:n, :)), dim=2)
    end subroutine laws
 

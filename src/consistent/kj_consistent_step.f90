@@ -187,8 +187,8 @@ contains
 
       if (what == NOTHING) return
       associate (team => model%team)
-         if (iand(what, GATHERING) /= 0) call sum_hubs(model%map, state%trial%threads, &
-            state%wrench, state%part)
+         if (iand(what, GATHERING) /= 0 .and. size(model%map%hub) > 0) call sum_hubs(model%map, &
+            state%trial%threads, state%wrench, state%part)
          if (state%trial%threads == 1) then
             do piece = 1, size(team%lead, 2)
                call work_on_leads(what, team%lead(:, piece), model, step, state)

@@ -7,8 +7,8 @@ module kj_block
    implicit none
    private
 
-   public :: rows_at, block_of, lane_of, turn_arm, turn_frames, turn_axes, cross_frames, to_local, &
-      to_world, add_cross, line_axes
+   public :: rows_at, block_of, lane_of, group_of, turn_arm, turn_frames, turn_axes, &
+      cross_frames, to_local, to_world, add_cross, line_axes
 
    integer, parameter, public :: BLOCK = 64    !! joints a kernel works on at a time
 
@@ -37,6 +37,15 @@ contains
 
       lane_of = modulo(i - 1, BLOCK) + 1
    end function lane_of
+
+   !> How many of n joints or leads go through a kernel at once. Few: numbers that callers write as
+   !> constants, for which the compiler makes kernels of their own, without loops; more do not gain.
+   pure integer function group_of(n) result(group)
+      integer, intent(in) :: n
+
+      group = min(n, BLOCK)
+      if (n > 4 .and. n < 16) group = merge(4, 8, n < 8)
+   end function group_of
 
    !> E := Exp(phi) E, exact (Rodrigues). Three columns, turned by the same vector.
    pure subroutine turn_frames(n, phi, e)

@@ -7,7 +7,7 @@ module kj_legacy_body
    use kj_model, only: model_t, body_title
    use kj_legacy_state, only: legacy_state_t, crew_t
    use kj_skew, only: axis_of
-   use kj_block, only: BLOCK, turn_frames, to_local, to_world
+   use kj_block, only: BLOCK, group_of, turn_frames, to_local, to_world
    implicit none
    private
 
@@ -26,44 +26,74 @@ contains
       type(legacy_state_t), intent(inout) :: state
       real(wp), intent(inout) :: fastest         !! the largest w**2, of them too
 
-      real(wp), dimension(BLOCK, 3) :: phi, w, m, wl, ml, al
-      real(wp) :: p(BLOCK, 9)
-      integer :: from, to, n, i, k
+      integer :: from, n
 
-      do from = lo, hi, BLOCK
-         to = min(from + BLOCK - 1, hi)
-         n = to - from + 1
-         do k = 1, 3
-            if (any(state%principal(from:to, k) < state%inertia(from:to))) &
-               state%principal(from:to, k) = max(state%principal(from:to, k), &
-               state%inertia(from:to))
-            w(:n, k) = state%world%w(from:to, k)
-            phi(:n, k) = state%h1*w(:n, k)
-            m(:n, k) = moment(from:to, k)
-         end do
-         !$omp simd reduction(max: fastest)
-         do i = 1, n
-            fastest = max(fastest, w(i, 1)**2 + w(i, 2)**2 + w(i, 3)**2)
-         end do
-         p(:n, :) = state%p(from:to, :)
-         call turn_frames(n, phi, p)
-         state%p(from:to, :) = p(:n, :)
-         call to_local(n, p, w, wl)
-         call to_local(n, p, m, ml)
-         associate (inertia => state%principal(from:to, :))
-            do i = 1, n
-               ml(i, 1) = (ml(i, 1) + (inertia(i, 2) - inertia(i, 3))*wl(i, 2)*wl(i, &
-                  3))/inertia(i, 1)
-               ml(i, 2) = (ml(i, 2) + (inertia(i, 3) - inertia(i, 1))*wl(i, 3)*wl(i, &
-                  1))/inertia(i, 2)
-               ml(i, 3) = (ml(i, 3) + (inertia(i, 1) - inertia(i, 2))*wl(i, 1)*wl(i, &
-                  2))/inertia(i, 3)
-            end do
-         end associate
-         call to_world(n, p, ml, al)
-         state%al(from:to, :) = al(:n, :)
+      from = lo
+      do while (from <= hi)
+         n = group_of(hi - from + 1)
+         select case (n)
+         case (1)
+            call turn_block(1, from, moment(from:, :), state, fastest)
+         case (2)
+            call turn_block(2, from, moment(from:, :), state, fastest)
+         case (3)
+            call turn_block(3, from, moment(from:, :), state, fastest)
+         case (4)
+            call turn_block(4, from, moment(from:, :), state, fastest)
+         case (8)
+            call turn_block(8, from, moment(from:, :), state, fastest)
+         case default
+            call turn_block(n, from, moment(from:, :), state, fastest)
+         end select
+         from = from + n
       end do
    end subroutine turn_bodies
+
+   !> The same of n bodies from ..., at most BLOCK
+   subroutine turn_block(n, from, moment, state, fastest)
+      integer, value :: n, from
+      real(wp), intent(in) :: moment(:, :)       !! (>= n, 3) W
+      type(legacy_state_t), intent(inout) :: state
+      real(wp), intent(inout) :: fastest
+
+      real(wp), dimension(BLOCK, 3) :: phi, w, m, wl, ml, al, j
+      real(wp) :: p(BLOCK, 9)
+      integer :: i, k
+
+      do k = 1, 3
+         do i = 1, n
+            state%principal(from + i - 1, k) = max(state%principal(from + i - 1, k), &
+               state%inertia(from + i - 1))
+            j(i, k) = state%principal(from + i - 1, k)
+            w(i, k) = state%world%w(from + i - 1, k)
+            phi(i, k) = state%h1*w(i, k)
+            m(i, k) = moment(i, k)
+         end do
+      end do
+      !$omp simd reduction(max: fastest)
+      do i = 1, n
+         fastest = max(fastest, w(i, 1)**2 + w(i, 2)**2 + w(i, 3)**2)
+      end do
+      do k = 1, 9
+         p(:n, k) = state%p(from:from + n - 1, k)
+      end do
+      call turn_frames(n, phi, p)
+      do k = 1, 9
+         state%p(from:from + n - 1, k) = p(:n, k)
+      end do
+      call to_local(n, p, w, wl)
+      call to_local(n, p, m, ml)
+      !$omp simd
+      do i = 1, n
+         ml(i, 1) = (ml(i, 1) + (j(i, 2) - j(i, 3))*wl(i, 2)*wl(i, 3))/j(i, 1)
+         ml(i, 2) = (ml(i, 2) + (j(i, 3) - j(i, 1))*wl(i, 3)*wl(i, 1))/j(i, 2)
+         ml(i, 3) = (ml(i, 3) + (j(i, 1) - j(i, 2))*wl(i, 1)*wl(i, 2))/j(i, 3)
+      end do
+      call to_world(n, p, ml, al)
+      do k = 1, 3
+         state%al(from:from + n - 1, k) = al(:n, k)
+      end do
+   end subroutine turn_block
 
    !> Bodies with rotational conditions: solve the reduced system (B J B^T) g = B m, al = B^T g,
    !> where the rows of B are the free axes.
@@ -101,31 +131,29 @@ contains
    !> a = f/m and, for free nodes, al = m/I, of leads lo..hi; zero where there is no mass or inertia
    pure subroutine linear_accelerations(n_body, lo, hi, f, m, state)
       integer, intent(in) :: n_body, lo, hi
-      real(wp), intent(in) :: f(lo:, :), m(lo:, :)   !! (>= hi - lo + 1, 3) W
+      real(wp), contiguous, intent(in) :: f(lo:, :), m(lo:, :)   !! (>= hi - lo + 1, 3) W
       type(legacy_state_t), intent(inout) :: state
 
       integer :: first, k
 
       first = max(lo, n_body + 1)
       do k = 1, 3
-         state%a(lo:hi, k) = f(lo:hi, k)
-         state%al(first:hi, k) = m(first:hi, k)
-         call divide(hi - lo + 1, state%mass(lo:hi), state%a(lo:hi, k))
-         call divide(hi - first + 1, state%inertia(first:hi), state%al(first:hi, k))
+         call divide(hi - lo + 1, f(lo:, k), state%mass(lo:hi), state%a(lo:hi, k))
+         call divide(hi - first + 1, m(first:, k), state%inertia(first:hi), state%al(first:hi, k))
       end do
    end subroutine linear_accelerations
 
-   !> y := y/m, 0 where m is; no division by 0, which a host may trap
-   pure subroutine divide(n, m, y)
+   !> y = x/m, 0 where m is; no division by 0, which a host may trap
+   pure subroutine divide(n, x, m, y)
       integer, value :: n
-      real(wp), intent(in) :: m(n)
-      real(wp), intent(inout) :: y(n)
+      real(wp), intent(in) :: x(n), m(n)
+      real(wp), intent(out) :: y(n)
 
       integer :: i
 
       !$omp simd
       do i = 1, n
-         y(i) = merge(y(i), 0.0_wp, m(i) > 0.0_wp)/merge(m(i), 1.0_wp, m(i) > 0.0_wp)
+         y(i) = merge(x(i), 0.0_wp, m(i) > 0.0_wp)/merge(m(i), 1.0_wp, m(i) > 0.0_wp)
       end do
    end subroutine divide
 
@@ -135,9 +163,37 @@ contains
       integer, intent(in) :: lo, hi
       type(legacy_state_t), intent(inout) :: state
 
-      integer :: k, n, last
+      integer :: from, n
 
-      n = hi - lo + 1
+      from = lo
+      do while (from <= hi)
+         n = group_of(hi - from + 1)
+         select case (n)
+         case (1)
+            call move_block(1, from, placed, state)
+         case (2)
+            call move_block(2, from, placed, state)
+         case (3)
+            call move_block(3, from, placed, state)
+         case (4)
+            call move_block(4, from, placed, state)
+         case (8)
+            call move_block(8, from, placed, state)
+         case default
+            call move_block(n, from, placed, state)
+         end select
+         from = from + n
+      end do
+   end subroutine move_leads
+
+   pure subroutine move_block(n, lo, placed, state)
+      integer, value :: n, lo
+      logical, intent(in) :: placed
+      type(legacy_state_t), intent(inout) :: state
+
+      integer :: k, hi, last
+
+      hi = lo + n - 1
       last = min(hi, size(state%rotation_sum, 1))
       do k = 1, 3
          call add_to(last - lo + 1, state%h2, state%world%w(lo:last, k), &
@@ -147,7 +203,7 @@ contains
          if (placed) call add_to(n, state%h2, state%v(lo:hi, k), state%d(lo:hi, k))
          call add_to(n, state%h2, state%v(lo:hi, k), state%world%x(lo:hi, k))
       end do
-   end subroutine move_leads
+   end subroutine move_block
 
    !> y := y + h x
    pure subroutine add_to(n, h, x, y)

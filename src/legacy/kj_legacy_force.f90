@@ -7,10 +7,11 @@ module kj_legacy_force
    use kj_curve, only: curve_set_t
    use kj_joint_types, only: NDOF, FRAME_MEAN, FRAME_CROSS
    use kj_joint_batch, only: joint_batch_t, KJOINT2, LAW_SPRING_CURVE, LAW_DAMPER_CURVE
-   use kj_block, only: BLOCK, turn_frames, turn_axes, cross_frames, to_local, to_world, add_cross
+   use kj_block, only: BLOCK, block_of, lane_of, group_of, turn_frames, turn_axes, cross_frames, &
+      to_local, to_world, add_cross
    use kj_nodal_stiffness, only: step_stiffness
    use kj_lead_map, only: W_FORCE, W_MOMENT1, W_MOMENT2, W_KN1, W_KN2, W_KR1, W_KR2
-   use kj_legacy_joint, only: legacy_block_t, legacy_joint_t
+   use kj_legacy_joint, only: legacy_block_t, legacy_joint_t, group_at
    use kj_legacy_law, only: add_spring_and_damper, add_spring_curve, add_damper_curve
    use kj_legacy_limits, only: limited_laws
    implicit none
@@ -31,43 +32,51 @@ contains
 
    !> Joints lo..hi of a batch: new frame, displacements, forces, energy and wrench. lo is the first
    !> joint of a block.
-   pure subroutine add_joint_forces(batch, curves, world, h, keep_rates, lo, hi, joint, wrench)
+   subroutine add_joint_forces(batch, curves, world, h, keep_rates, lo, hi, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h                  !! step since the last call, 0 in the first
       logical, intent(in) :: keep_rates          !! store qdot, for a sample
       integer, intent(in) :: lo, hi
-      type(legacy_joint_t), intent(inout) :: joint
+      type(legacy_joint_t), target, intent(inout) :: joint
       real(wp), contiguous, intent(inout) :: wrench(:, :)   !! (N_WRENCH, all joints)
 
-      integer :: from
+      type(legacy_block_t), pointer :: state
+      integer :: from, n
 
-      do from = lo, hi, BLOCK
-         select case (hi - from + 1)                    ! few joints: kernels of their own
+      from = lo
+      do while (from <= hi)
+         n = min(BLOCK, hi - from + 1)
+         if (batch%n < BLOCK .and. .not. batch%limited) n = group_of(n)
+         call group_at(joint%block(block_of(from)), lane_of(from), state)
+         select case (n)
          case (1)
-            call add_block(batch, curves, world, h, keep_rates, from, 1, joint, wrench)
+            call add_block(batch, curves, world, h, keep_rates, from, 1, state, joint, wrench)
          case (2)
-            call add_block(batch, curves, world, h, keep_rates, from, 2, joint, wrench)
+            call add_block(batch, curves, world, h, keep_rates, from, 2, state, joint, wrench)
          case (3)
-            call add_block(batch, curves, world, h, keep_rates, from, 3, joint, wrench)
+            call add_block(batch, curves, world, h, keep_rates, from, 3, state, joint, wrench)
          case (4)
-            call add_block(batch, curves, world, h, keep_rates, from, 4, joint, wrench)
+            call add_block(batch, curves, world, h, keep_rates, from, 4, state, joint, wrench)
+         case (8)
+            call add_block(batch, curves, world, h, keep_rates, from, 8, state, joint, wrench)
          case default
-            call add_block(batch, curves, world, h, keep_rates, from, min(BLOCK, hi - from + 1), &
-               joint, wrench)
+            call add_block(batch, curves, world, h, keep_rates, from, n, state, joint, wrench)
          end select
+         from = from + n
       end do
    end subroutine add_joint_forces
 
-   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, joint, wrench)
+   pure subroutine add_block(batch, curves, world, h, keep_rates, from, n, state, joint, wrench)
       type(joint_batch_t), intent(in) :: batch
       type(curve_set_t), intent(in) :: curves
       type(world_t), intent(in) :: world
       real(wp), intent(in) :: h
       logical, intent(in) :: keep_rates
       integer, value :: from, n                  !! first joint, joints
-      type(legacy_joint_t), intent(inout) :: joint
+      type(legacy_block_t), target, intent(inout) :: state     !! from these joints on
+      type(legacy_joint_t), target, intent(inout) :: joint     !! its blocks are not touched
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: e(BLOCK, 9), xl(BLOCK, 3), turn(BLOCK, 3), q(BLOCK, NDOF), qdot(BLOCK, NDOF)
@@ -76,43 +85,41 @@ contains
       integer :: i, j, k, at
 
       at = (from - 1)/BLOCK + 1
-      associate (state => joint%block(at))
-         idle = batch%law == 0 .and. .not. batch%limited
-         call move_frames(batch, world, h, from, n, state, e, xl, turn)
-         do k = 1, 3
-            do i = 1, n
-               j = from + i - 1
-               q(i, k) = xl(i, k) - batch%xl0(j, k)
-               q(i, k + 3) = state%q(i, k + 3) + turn(i, k)*h
-            end do
+      idle = batch%law == 0 .and. .not. batch%limited
+      call move_frames(batch, world, h, from, n, state, e, xl, turn)
+      do k = 1, 3
+         do i = 1, n
+            j = from + i - 1
+            q(i, k) = xl(i, k) - batch%xl0(j, k)
+            q(i, k + 3) = state%q(i, k + 3) + turn(i, k)*h
          end do
-         do k = 1, NDOF
-            do i = 1, n
-               qdot(i, k) = 0.0_wp
-               if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(i, k))/h
-            end do
+      end do
+      do k = 1, NDOF
+         do i = 1, n
+            qdot(i, k) = 0.0_wp
+            if (h > 0.0_wp) qdot(i, k) = (q(i, k) - state%q(i, k))/h
          end do
-         if (batch%limited) then
-            call limited_laws(batch, curves, world%time, world%h12, from, n, q, qdot, state, &
-               joint%limit(at), f)
-         else
-            call laws(batch, curves, from, n, q, qdot, state, f)
+      end do
+      if (batch%limited) then
+         call limited_laws(batch, curves, world%time, world%h12, from, n, q, qdot, state, &
+            joint%limit(at), f)
+      else
+         call laws(batch, curves, from, n, q, qdot, state, f)
+      end if
+      do k = 1, NDOF
+         if (idle(k)) then                           ! without force, ever
+            state%q(:n, k) = q(:n, k)
+            cycle
          end if
-         do k = 1, NDOF
-            if (idle(k)) then                           ! without force, ever
-               state%q(:n, k) = q(:n, k)
-               cycle
-            end if
-            do i = 1, n
-               change = q(i, k) - state%q(i, k)
-               state%energy(i) = state%energy(i) + 0.5_wp*change*(f(i, k) + state%f(i, k))
-               state%q(i, k) = q(i, k)
-               state%f(i, k) = f(i, k)
-            end do
+         do i = 1, n
+            change = q(i, k) - state%q(i, k)
+            state%energy(i) = state%energy(i) + 0.5_wp*change*(f(i, k) + state%f(i, k))
+            state%q(i, k) = q(i, k)
+            state%f(i, k) = f(i, k)
          end do
-         if (keep_rates) state%qdot(:n, :) = qdot(:n, :)
-         call put_wrench(batch, world, from, n, state, e, xl, f, wrench(:, batch%first + from:))
-      end associate
+      end do
+      if (keep_rates) state%qdot(:n, :) = qdot(:n, :)
+      call put_wrench(batch, world, from, n, state, e, xl, f, wrench(:, batch%first + from:))
    end subroutine add_block
 
    !> New frames, offset of node 2 in them, and relative angular velocity in them

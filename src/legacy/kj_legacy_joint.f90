@@ -1,5 +1,6 @@
 !> State of all joints of one batch under the legacy scheme.
 module kj_legacy_joint
+   use, intrinsic :: iso_c_binding, only: c_loc, c_f_pointer
    use kj_kinds, only: wp
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: joint_batch_t, is_spring, DOF_FREE, DOF_BLOCKED
@@ -9,7 +10,7 @@ module kj_legacy_joint
    implicit none
    private
 
-   public :: legacy_block_t, legacy_limit_t, legacy_joint_t, new_legacy_joint
+   public :: legacy_block_t, legacy_limit_t, legacy_joint_t, new_legacy_joint, group_at
 
    !> State of a block of joints. A field stands here and nowhere else: blocks are saved and
    !> restored as a whole (rows_at)
@@ -43,6 +44,15 @@ module kj_legacy_joint
    end type legacy_joint_t
 
 contains
+
+   !> Joints of a block from a place on, as if their block began there
+   subroutine group_at(block, lane, group)
+      type(legacy_block_t), target, intent(in) :: block
+      integer, intent(in) :: lane
+      type(legacy_block_t), pointer, intent(out) :: group
+
+      call c_f_pointer(c_loc(block%e(lane, 1)), group)
+   end subroutine group_at
 
    !> State at the start: initial frames and angles, stiffness of the time step
    pure subroutine new_legacy_joint(batch, joint)

@@ -4,7 +4,7 @@ module kj_legacy_load
    use kj_kinds, only: wp
    use kj_math3, only: cross
    use kj_curve, only: load_value
-   use kj_model, only: model_t, load_t, motion_t, BY_TIME, BY_DISPLACEMENT, BY_VELOCITY, &
+   use kj_model, only: model_t, bcs_t, load_t, motion_t, BY_TIME, BY_DISPLACEMENT, BY_VELOCITY, &
       IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
    use kj_legacy_state, only: legacy_state_t
    use kj_skew, only: axis_of
@@ -207,6 +207,13 @@ contains
       do i = 1, size(model%bcs)
          lead = model%bcs(i)%lead
          state%w_before(i, :) = state%world%w(lead, :)
+         if (rests(model%bcs(i))) then                  ! nothing would be left
+            state%a(lead, :) = 0.0_wp
+            state%v(lead, :) = 0.0_wp
+            state%al(lead, :) = 0.0_wp
+            state%world%w(lead, :) = 0.0_wp
+            cycle
+         end if
          do dof = 1, 6
             if (.not. model%bcs(i)%fixed(dof)) cycle
             e = axis_of(state%world%skew, model%bcs(i)%skew, dof)
@@ -220,6 +227,13 @@ contains
          end do
       end do
    end subroutine hold_conditions
+
+   !> Conditions that block all directions, along global axes
+   pure logical function rests(bcs)
+      type(bcs_t), intent(in) :: bcs
+
+      rests = bcs%skew == 0 .and. all(bcs%fixed)
+   end function rests
 
    !> A row loses its component along e
    pure subroutine take_along(e, row, a)

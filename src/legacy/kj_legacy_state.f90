@@ -7,7 +7,7 @@ module kj_legacy_state
    use kj_team, only: team_t, trial_t, new_team
    use kj_lead_map, only: N_SUM, N_WRENCH
    use kj_joint_batch, only: is_spring, SPRING13
-   use kj_model, only: model_t, SCALE_MASS, SCALE_MASS_NEXT
+   use kj_model, only: model_t, bcs_t, SCALE_MASS, SCALE_MASS_NEXT
    use kj_legacy_force, only: world_t
    use kj_legacy_joint, only: legacy_joint_t, new_legacy_joint
    use kj_gravity, only: gravity_t, new_gravity
@@ -178,6 +178,13 @@ contains
       end do
    end subroutine find_main_ends
 
+   !> Conditions that leave some rotations: their moments are read once more
+   pure elemental logical function turns_partly(bcs)
+      type(bcs_t), intent(in) :: bcs
+
+      turns_partly = any(bcs%fixed(4:6)) .and. .not. all(bcs%fixed(4:6))
+   end function turns_partly
+
    !> Nodal step of the secondary nodes that have mass or inertia
    pure real(wp) function idle_limit(model) result(h)
       type(model_t), intent(in) :: model
@@ -249,7 +256,8 @@ contains
       call find_main_ends(model, state)
       do i = 1, size(state%kept)
          state%kept(i) = model%control%joint_step .and. model%n_spring > 0 .or. &
-            any(state%bcs_of(state%team%lead(1, i):state%team%lead(2, i)) > 0) .or. &
+            any(turns_partly(model%bcs) .and. model%bcs%lead >= state%team%lead(1, i) .and. &
+            model%bcs%lead <= state%team%lead(2, i)) .or. &
             any(model%control%below_min == [SCALE_MASS, SCALE_MASS_NEXT])
       end do
       allocate (state%joint(size(model%batch)))

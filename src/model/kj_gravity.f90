@@ -69,16 +69,16 @@ contains
       type(gravity_t), intent(in) :: self
       real(wp), intent(inout) :: f(n_lead, 3), own(n_lead, 3)
 
-      real(wp) :: weight
+      real(wp) :: g(3)
       integer :: i, j, k
 
-      do j = 1, 3
-         do k = self%to((lo - 1)/BLOCK) + 1, self%to((hi + BLOCK - 1)/BLOCK)
-            i = self%lead(k)
-            weight = mass(i)*self%now(j)
-            if (allocated(self%each)) weight = mass(i)*self%each(k, j)
-            f(i, j) = f(i, j) + weight
-            own(i, j) = own(i, j) + weight
+      g = self%now
+      do k = self%to((lo - 1)/BLOCK) + 1, self%to((hi + BLOCK - 1)/BLOCK)
+         i = self%lead(k)
+         if (allocated(self%each)) g = self%each(k, :)
+         do j = 1, 3
+            f(i, j) = f(i, j) + mass(i)*g(j)
+            own(i, j) = own(i, j) + mass(i)*g(j)
          end do
       end do
    end subroutine add_weights
