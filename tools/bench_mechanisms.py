@@ -12,10 +12,8 @@ import compliant_scenes as scenes
 import numpy as np
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-SETTINGS = {"mujoco": [(steps, constant) for steps in (1, 2, 3, 5, 8, 12, 20, 30, 50, 80, 120, 200, 300, 500)
-                       for constant in (2.5, 5, 10)],
-            "exudyn": [(steps, radius) for steps in (1, 2, 3, 5, 8, 12, 20, 30, 50, 80, 120, 200, 300, 500, 800)
-                       for radius in (0.9, 0.5)]}
+STEPS = (1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 180, 256, 362, 512)   # between two samples
+KINDS = {"mujoco": (2.5, 5.0), "exudyn": (1.0, 0.9, 0.6)}      # time constant in steps; spectral radius
 
 
 def tree(scene):
