@@ -45,7 +45,7 @@ contains
    !> A scene takes a place
    subroutine seat(model, state, s, lanes)
       type(consistent_model_t), target, intent(in) :: model
-      type(consistent_state_t), target, intent(inout) :: state   !! is not changed
+      type(consistent_state_t), target, intent(inout) :: state   !! its loads act in it, later
       integer, intent(in) :: s                   !! place
       type(lanes_t), intent(inout) :: lanes
 
