@@ -1,5 +1,6 @@
 !> Forces at t of the integrator `compliant`: the mean of the multipliers of the steps before and
-!> after. That of the step after needs its position stage, which is undone.
+!> after. That of the step after needs its position stage, which is undone. At a start or jump no
+!> step lies before: half of the one after tells the force at t + h/6, the whole that at t + h/3.
 !> Source: docs/theory/compliant.md 7.
 module kj_consistent_compliant_show
    use kj_kinds, only: wp
@@ -27,11 +28,20 @@ contains
       integer :: b, at, from, n, k
 
       if (.not. allocated(state%compliant)) return
-      call look_ahead(model, h, state)
       associate (self => state%compliant)
-         before = 0.0_wp
-         after = 1.0_wp
-         if (self%jump > 0) before = h/(h + self%h_last)
+         before = 2.0_wp
+         if (self%jump > 0) then
+            before = h/(h + self%h_last)
+         else if (self%known /= state%cycle) then
+            call look_ahead(model, 0.5_wp*h, state)
+            self%known = -1
+            do b = 1, size(model%batch)
+               do at = 1, size(self%joint(b)%block)
+                  self%joint(b)%block(at)%g = self%joint(b)%block(at)%f
+               end do
+            end do
+         end if
+         call look_ahead(model, h, state)
          after = 1.0_wp - before
          self%start%f(:, :) = state%f
          self%start%t(:, :) = state%t

@@ -119,7 +119,8 @@ contains
    !> Move the bodies of the start, by as little as can be in the sense of their masses, until
    !> blocked directions bear the forces of the first moment: those of joints that do not give way,
    !> shared as their stiffness wants it. They come from the position stage of `compliant` in a step
-   !> of ten over the highest frequency, with all stiffness as many times larger. Where velocities
+   !> of ten over the highest frequency and half of it, with all stiffness as many times larger, and
+   !> are those a third of the step from now. Where velocities
    !> jump at the start, or the way is long, all stays unloaded.
    subroutine bear_forces(model, w2, state)
       type(consistent_model_t), intent(in) :: model
@@ -130,7 +131,7 @@ contains
       type(consistent_state_t) :: trial, first
       real(wp) :: h
       logical :: good
-      integer :: pass
+      integer :: pass, b, at
 
       if (.not. w2 > 0.0_wp) return
       h = FIRST_STEP/sqrt(w2)
@@ -143,6 +144,13 @@ contains
       if (.not. good) return
       if (.not. same_forces(stiff, first%compliant, trial%compliant)) return
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      do b = 1, size(model%batch)
+         do at = 1, size(trial%compliant%joint(b)%block)
+            associate (f => trial%compliant%joint(b)%block(at)%f)
+               f = 2.0_wp*first%compliant%joint(b)%block(at)%f - f
+            end associate
+         end do
+      end do
       do pass = 1, 2
          call approach(stiff, trial, good)
          if (.not. good) return

@@ -53,10 +53,10 @@ class Scene:
         j = mass / 12 * (d @ d * np.eye(3) - np.outer(d, d)) + 1e-4 * mass * np.outer(d, d)
         return self.body((a + b) / 2, mass, (j[0, 0], j[1, 1], j[2, 2], j[0, 1], j[1, 2], j[0, 2]), **motion)
 
-    def join(self, kind, body1, body2, x, axis=(1, 0, 0), law=(0, 0)):
-        """law: stiffness and damping of the one free direction"""
+    def join(self, kind, body1, body2, x, axis=(1, 0, 0), law=(0, 0), second=None):
+        """second: an axis across the first, anyone if left out; law: stiffness and damping of the one free direction"""
         x, e1 = np.array(x, float), np.array(axis, float) / np.linalg.norm(axis)
-        e2 = np.cross(e1, [0, 0, 1] if abs(e1[2]) < 0.9 else [1, 0, 0])
+        e2 = np.cross(e1, [0, 0, 1] if abs(e1[2]) < 0.9 else [1, 0, 0]) if second is None else np.array(second, float)
         self.links.append({"kind": kind, "ends": (body1, body2), "x": x, "axis": e1, "law": law})
         ends = []
         for body in (body1, body2):
