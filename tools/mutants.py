@@ -68,7 +68,7 @@ MUTANTS = [Mutant(*row) for row in [
     ("src/consistent/kj_consistent_safe_step.f90", "moved = worst > 0.0_wp", "moved = .false.", "march"),
     ("src/consistent/kj_consistent_nodal_step.f90", "kn(lead) = kn(lead) + times*st", "kn(lead) = kn(lead) + 0.01_wp*times*st", "cli.check"),
     ("src/consistent/kj_consistent_springs.f90", "(q(i, k) - state%q(i, k))*(f(i, k) + state%fe(i, k))", "(q(i, k) - state%q(i, k))*(f(i, k) - state%fe(i, k))", "accuracy.ledger physics unit.test_consistent_springs"),
-    ("src/consistent/kj_consistent_conditions.f90", "final = at + m%y_scale*m%x_scale*integral(", "final = at + m%y_scale*integral(", "python_api"),
+    ("src/consistent/kj_consistent_motion.f90", "final = at + m%y_scale*m%x_scale*integral(", "final = at + m%y_scale*integral(", "python_api"),
     ("src/consistent/kj_consistent_load.f90", "dot_product(force + state%load_force(:, entry), x - state%load_place(:, entry))", "dot_product(force - state%load_force(:, entry), x - state%load_place(:, entry))", "python_api"),
     ("src/consistent/kj_consistent_islands.f90", "state%work = state%work + part(p)%state%work", "state%work = part(p)%state%work", "python_api"),
     ("src/consistent/kj_consistent_march.f90", "self%limit < merge(START_PART,", "self%limit > merge(START_PART,", "cli.restart"),

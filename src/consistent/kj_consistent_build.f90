@@ -15,8 +15,8 @@ module kj_consistent_build
    use kj_consistent_batch, only: chart_of, new_consistent_joint
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
-   use kj_consistent_conditions, only: collect_holds, all_blocked, motion_targets, &
-      project_all, WHOLE
+   use kj_consistent_conditions, only: collect_holds, all_blocked, project_all, WHOLE
+   use kj_consistent_motion, only: motion_targets
    use kj_gravity, only: new_gravity
    use kj_consistent_step, only: find_forces
    use kj_curve, only: curve_integral

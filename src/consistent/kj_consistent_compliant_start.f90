@@ -10,7 +10,8 @@ module kj_consistent_compliant_start
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: spin_velocity, kick
    use kj_consistent_leads, only: open_leads, look_leads
-   use kj_consistent_conditions, only: motion_targets, project_all, keep_rates, WHOLE
+   use kj_consistent_conditions, only: project_all, keep_rates, WHOLE
+   use kj_consistent_motion, only: motion_targets
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes
    use kj_consistent_compliant_types, only: compliant_t

@@ -11,7 +11,8 @@ module kj_consistent_compliant_step
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias, spin_velocity
    use kj_consistent_leads, only: move_leads, look_leads, kick_leads
-   use kj_consistent_conditions, only: motion_targets, count_work, FIRST_HALF, SECOND_HALF
+   use kj_consistent_conditions, only: count_work, FIRST_HALF, SECOND_HALF
+   use kj_consistent_motion, only: motion_targets
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes, reach_motions
    use kj_consistent_compliant_types, only: compliant_t

@@ -5,8 +5,6 @@
 module kj_consistent_conditions
    use kj_kinds, only: wp
    use kj_math3, only: rotation, to_quaternion, quaternion_product, cross, solve_small, IDENTITY
-   use kj_curve, only: curve_set_t, load_value, curve_integral, curve_moment
-   use kj_model, only: motion_t, IMPOSE_VELOCITY, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t, hold_t
    use kj_consistent_body, only: columns
@@ -15,100 +13,12 @@ module kj_consistent_conditions
    private
 
    public :: project, project_all, count_work, keep_rates, project_rates, hold_rotations, &
-      body_matrix, motion_targets, held_force, collect_holds, all_blocked, free_directions
-   public :: motion_target
+      body_matrix, held_force, collect_holds, all_blocked, free_directions
 
    !> Part of a step that a projection ends
    integer, parameter, public :: FIRST_HALF = 1, SECOND_HALF = 2, WHOLE = 3
 
 contains
-
-   !> Wanted velocities of the imposed motions over a step from t to t + h: the mean over the step
-   !> (tables integrated exactly) and the value at its end. Inactive motions keep what there is.
-   subroutine motion_targets(model, state, h, mean, final, active)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
-      real(wp), intent(in) :: h
-      real(wp), intent(out) :: mean(:), final(:)     !! (n_motion)
-      logical, intent(out) :: active(:)
-
-      integer :: i
-
-      do i = 1, size(model%motion)
-         call motion_target(model%curves, model%motion(i), state%motion_at(i), state%time, h, &
-            mean(i), final(i), active(i))
-      end do
-   end subroutine motion_targets
-
-   !> The same of one motion
-   pure subroutine motion_target(curves, m, at, time, h, mean, final, active)
-      type(curve_set_t), intent(in) :: curves
-      type(motion_t), intent(in) :: m
-      real(wp), intent(in) :: at, time, h        !! at: what it has reached
-      real(wp), intent(inout) :: mean, final
-      logical, intent(out) :: active
-
-      real(wp) :: a, b, moved
-
-      active = time >= m%t_start .and. time <= m%t_stop
-      if (.not. active) return
-      a = (time - m%t_sensor)/m%x_scale
-      b = (time + h - m%t_sensor)/m%x_scale
-      select case (m%kind)
-      case (IMPOSE_VELOCITY)
-         mean = m%y_scale*m%x_scale*integral(curves, m, a, b)/h
-         final = m%y_scale*load_value(curves, m%curve, b)
-      case (IMPOSE_DISPLACEMENT)
-         moved = at
-         if (m%sensed) moved = m%y_scale*load_value(curves, m%curve, a)
-         mean = (m%y_scale*load_value(curves, m%curve, b) - moved)/h
-         final = slope_at(curves, m, b)
-      case default   ! IMPOSE_ACCELERATION
-         mean = at + m%y_scale*m%x_scale**2*moment(curves, m, a, b)/h
-         final = at + m%y_scale*m%x_scale*integral(curves, m, a, b)
-      end select
-   end subroutine motion_target
-
-   !> Integral of the curve of a motion from a to b
-   pure real(wp) function integral(curves, m, a, b) result(y)
-      type(curve_set_t), intent(in) :: curves
-      type(motion_t), intent(in) :: m
-      real(wp), intent(in) :: a, b
-
-      y = (b - a)*load_value(curves, m%curve, a)
-      if (m%curve == 0) return
-      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = &
-         curve_integral(curves, m%curve, a, b)
-   end function integral
-
-   !> Integral of (b - s) f(s) from a to b
-   pure real(wp) function moment(curves, m, a, b) result(y)
-      type(curve_set_t), intent(in) :: curves
-      type(motion_t), intent(in) :: m
-      real(wp), intent(in) :: a, b
-
-      y = 0.5_wp*(b - a)**2*load_value(curves, m%curve, a)
-      if (m%curve == 0) return
-      if (curves%first(m%curve + 1) - curves%first(m%curve) > 1) y = &
-         curve_moment(curves, m%curve, a, b)
-   end function moment
-
-   !> Rate of an imposed displacement at its abscissa
-   pure real(wp) function slope_at(curves, m, x) result(rate)
-      type(curve_set_t), intent(in) :: curves
-      type(motion_t), intent(in) :: m
-      real(wp), intent(in) :: x
-
-      integer :: i, last
-
-      rate = 0.0_wp
-      if (m%curve == 0) return
-      last = curves%first(m%curve + 1) - 1
-      do i = curves%first(m%curve), last - 1
-         rate = m%y_scale/m%x_scale*(curves%y(i + 1) - curves%y(i))/(curves%x(i + 1) - curves%x(i))
-         if (curves%x(i + 1) > x) return
-      end do
-   end function slope_at
 
    !> Velocities of the leads of holds first..last, into state%kept
    pure subroutine keep_rates(model, first, last, state)
@@ -172,7 +82,9 @@ contains
    !>
    !> v += B^T (B B^T)^-1 (u - B v), L += B^T (B J^-1 B^T)^-1 (u - B J^-1 L); work of driven rows:
    !> impulse times (start velocity + change/2) in the first half kick, (end - change/2) in the
-   !> second, the mean of start and end over a whole step. Velocities before the kick: keep_rates.
+   !> second, the mean of start and end over a whole step. So in the halves it is the mean less or
+   !> plus half of the change by forces; those of the rows of `compliant` do not count, as they
+   !> do no work where a velocity jumps. Velocities before the kick: keep_rates.
    subroutine project(model, target, active, part, first, last, state)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: target(:)              !! (n_motion) wanted velocity
@@ -183,19 +95,21 @@ contains
 
       real(wp) :: b(3, 3), u(3), p(3), power, before(6)
       logical :: drives(3)
-      integer :: i, lead, n
+      integer :: i, lead, n, count_as
 
+      count_as = merge(WHOLE, part, allocated(state%compliant))
       do i = first, last
          state%kept%work(:, i, part) = 0.0_wp
          before = state%kept%rates(:, i)
          associate (hold => model%hold(i))
             lead = hold%lead
+            if (count_as /= part) before = before + explicit_change(model, state, part, lead)
             call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, target, active)
             if (n == 3 .and. .not. any(drives)) then
                state%v(lead, :) = 0.0_wp
             else if (n > 0) then
                p = state%v(lead, :)
-               call drive(n, b, u, drives, part, before(1:3), IDENTITY, p, power)
+               call drive(n, b, u, drives, count_as, before(1:3), IDENTITY, p, power)
                state%v(lead, :) = p
                state%kept%work(1, i, part) = model%mass(lead)*power
             end if
@@ -205,8 +119,8 @@ contains
                state%l(lead, :) = 0.0_wp
             else
                p = state%l(lead, :)
-               call drive(n, b, u, drives, part, before(4:6), inverse_inertia(model, state, lead), &
-                  p, power)
+               call drive(n, b, u, drives, count_as, before(4:6), &
+                  inverse_inertia(model, state, lead), p, power)
                state%l(lead, :) = p
                state%kept%work(2, i, part) = power
                if (part == FIRST_HALF .and. n == 1) call lean_back(model, state, lead, b, u)
@@ -214,6 +128,25 @@ contains
          end associate
       end do
    end subroutine project
+
+   !> Change of the velocities of a lead by the explicit forces of `compliant` in half a step, less
+   !> than nothing in the first
+   pure function explicit_change(model, state, part, lead) result(change)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: part, lead
+      real(wp) :: change(6)
+
+      associate (c => state%compliant)
+         if (part == FIRST_HALF) then
+            change = -[c%start%f(lead, :), c%start%t(lead, :)]
+         else
+            change = [c%f(lead, :), c%t(lead, :)]
+         end if
+      end associate
+      change(1:3) = 0.5_wp*state%h*model%inverse_mass(lead)*change(1:3)
+      change(4:6) = 0.5_wp*state%h*matmul(inverse_inertia(model, state, lead), change(4:6))
+   end function explicit_change
 
    !> A lead with two free axes: start the drift with half of the rate that its free rotation will
    !> build up along the held axis, with the other sign, so that the mean over the step is u
@@ -461,22 +394,26 @@ contains
       end do
    end subroutine hold_rotations
 
-   !> Force without its components along blocked directions (they do no work)
-   subroutine held_force(model, state, i, f, t)
+   !> Force without its components along blocked directions (they do no work); with accelerations of
+   !> motions that act, with what makes them
+   subroutine held_force(model, state, i, f, t, wanted, active)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: i                       !! index of the hold
       real(wp), intent(inout) :: f(3), t(3)
+      real(wp), intent(in), optional :: wanted(:)    !! (n_motion)
+      logical, intent(in), optional :: active(:)
 
       real(wp) :: b(3, 3), u(3), power
       logical :: drives(3)
       integer :: n
 
       associate (hold => model%hold(i))
-         call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n)
+         call rows_of(state, hold%trans, hold%n_trans, b, u, drives, n, wanted, active)
+         u = model%mass(hold%lead)*u
          if (n > 0) call drive(n, b, u, drives, FIRST_HALF, u, IDENTITY, f, power)
-         call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n)
-         if (n == 3) then
+         call rows_of(state, hold%rot, hold%n_rot, b, u, drives, n, wanted, active)
+         if (n == 3 .and. .not. any(drives)) then
             t = 0.0_wp
          else if (n > 0) then
             call drive(n, b, u, drives, FIRST_HALF, u, inverse_inertia(model, state, hold%lead), &

@@ -14,7 +14,8 @@ module kj_consistent_lanes
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_step, only: step_to_loads, step_from_loads, place_nodes, reach_motion
    use kj_consistent_load, only: add_loads
-   use kj_consistent_conditions, only: motion_target, FIRST_HALF, SECOND_HALF
+   use kj_consistent_conditions, only: FIRST_HALF, SECOND_HALF
+   use kj_consistent_motion, only: motion_target
    implicit none
    private
 

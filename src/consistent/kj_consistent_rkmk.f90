@@ -8,7 +8,8 @@ module kj_consistent_rkmk
    use kj_consistent_dampers, only: count_damping
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, rates_t, stages_t
    use kj_consistent_body, only: spin_velocity, turn_in_space
-   use kj_consistent_conditions, only: project_all, keep_rates, motion_targets, WHOLE
+   use kj_consistent_conditions, only: project_all, keep_rates, WHOLE
+   use kj_consistent_motion, only: motion_targets
    use kj_consistent_load, only: load_power
    use kj_consistent_step, only: find_forces, reach_motions
    implicit none

@@ -14,6 +14,7 @@ module kj_consistent_snapshot
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_conditions, only: body_matrix, held_force
+   use kj_consistent_motion, only: motion_accelerations
    use kj_consistent_step, only: place_node
    use kj_consistent_march, only: march_t, balance_ledger
    use kj_consistent_compliant_show, only: begin_show, end_show
@@ -81,15 +82,18 @@ contains
       type(consistent_state_t), intent(in) :: state
       type(snapshot_t), intent(inout) :: now
 
+      real(wp) :: wanted(size(model%motion))
+      logical :: on(size(model%motion))
       integer :: from
 
+      call motion_accelerations(model, state, wanted, on)
       now%x = state%poses%x
       now%v = state%v
       now%w = state%poses%w
       now%f = state%f
       now%m = state%t
       do from = 1, model%n_lead, BLOCK
-         call show_block(model, state, from, min(BLOCK, model%n_lead - from + 1), now)
+         call show_block(model, state, from, min(BLOCK, model%n_lead - from + 1), wanted, on, now)
       end do
       now%impulse = state%impulse
       now%angular_impulse = state%angular_impulse
@@ -97,10 +101,12 @@ contains
    end subroutine show_leads
 
    !> Accelerations and principal axes of n leads from ...
-   subroutine show_block(model, state, from, n, now)
+   subroutine show_block(model, state, from, n, wanted, on, now)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
       integer, intent(in) :: from, n
+      real(wp), intent(in) :: wanted(:)          !! (n_motion) accelerations of motions
+      logical, intent(in) :: on(:)               !! that act now
       type(snapshot_t), intent(inout) :: now
 
       real(wp) :: q(BLOCK, 4), p(BLOCK, 9), f(BLOCK, 3), t(BLOCK, 3), l(BLOCK, 3), held(3, 2)
@@ -125,22 +131,21 @@ contains
          if (model%hold_of(from + i - 1) == 0) cycle
          held(:, 1) = f(i, :)
          held(:, 2) = t(i, :)
-         call held_force(model, state, model%hold_of(from + i - 1), held(:, 1), held(:, 2))
+         call held_force(model, state, model%hold_of(from + i - 1), held(:, 1), held(:, 2), &
+            wanted, on)
          f(i, :) = held(:, 1)
          t(i, :) = held(:, 2)
       end do
       do k = 1, 3
          now%a(from:to, k) = model%inverse_mass(from:to)*f(:n, k)
-         l(:n, k) = model%inverse_inertia(from:to, k)*(t(:n, 1)*p(:n, 3*k - 2) + t(:n, 2)*p(:n, &
-            3*k - 1) + &
-            t(:n, 3)*p(:n, 3*k))
+         l(:n, k) = model%inverse_inertia(from:to, k)*(t(:n, 1)*p(:n, 3*k - 2) + &
+            t(:n, 2)*p(:n, 3*k - 1) + t(:n, 3)*p(:n, 3*k))
       end do
       do k = 1, 3
          now%al(from:to, k) = p(:n, k)*l(:n, 1) + p(:n, k + 3)*l(:n, 2) + p(:n, k + 6)*l(:n, 3)
       end do
-      call turn_axes(min(n, model%n_body - from + 1), p, model%axes0(from:, :), model%axes(from:, &
-         :), &
-         now%p(from:, :))
+      call turn_axes(min(n, model%n_body - from + 1), p, model%axes0(from:, :), &
+         model%axes(from:, :), now%p(from:, :))
    end subroutine show_block
 
    !> Principal axes from those at the start: p axes0^T axes

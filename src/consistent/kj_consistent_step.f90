@@ -13,7 +13,8 @@ module kj_consistent_step
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
    use kj_consistent_leads, only: move_leads, open_leads, look_leads, kick_leads, gather
-   use kj_consistent_conditions, only: motion_targets, count_work, FIRST_HALF, SECOND_HALF
+   use kj_consistent_conditions, only: count_work, FIRST_HALF, SECOND_HALF
+   use kj_consistent_motion, only: motion_targets
    implicit none
    private
 

@@ -82,6 +82,12 @@ class Scene:
         self.cards += cards + [f"/PART/{n}\njoint\n{ids(n, 0, 0)}", f"/SPRING/{n}\n{ids(900 + n, *ends)}"]
         return n
 
+    def drive(self, body, keyword, direction, points):
+        """/IMPVEL, /IMPDISP or /IMPACC of the main node of a body, once a scene"""
+        self.cards += ["/FUNCT/1\ntable\n" + "\n".join(reals(*point) for point in points),
+                       f"/GRNOD/NODE/3001\nmain\n{ids(self.members[body - 1][0])}",
+                       f"/{keyword}/1\nmotor\n{ids(1)}{direction:>10}{ids(0, 0, 3001, 0, 0)}\n{reals(1, 1, 0, 0)}"]
+
     def write(self, root, until, sample):
         out = ["#RADIOSS STARTER", "/BEGIN", pathlib.Path(root).name, ids(2022, 0),
                *2 * [f"{'kg':>20}{self.unit:>20}{'s':>20}"], "/NODE"]

@@ -6,16 +6,14 @@ has gone.
 usage: test_start.py KJOINT [NAME of one test]
 """
 import pathlib
-import sys
 import tempfile
 import unittest
 
 import numpy as np
 
 import compliant_scenes as scenes
-import test_compliant as base
+import test_compliant as base              # takes KJOINT off the command line
 
-base.PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else base.PROGRAM
 G = 9.81
 STEEP = np.radians(30)
 
