@@ -76,7 +76,7 @@ contains
       type(unit_system_t), intent(in) :: units
       character(len=80) :: text
 
-      character(len=2) :: power
+      character(len=*), parameter :: POWER(-3:2) = ['-3', '-2', '-1', '  ', '  ', '2 ']
       integer :: i, e
 
       text = ''
@@ -84,9 +84,7 @@ contains
       do i = 1, 3
          e = dimensions(dim)%exponents(i)
          if (e == 0) cycle
-         power = ''
-         if (e /= 1) write (power, '(i0)') e
-         text = adjustl(trim(text)//' '//trim(units%symbol(i))//power)
+         text = adjustl(trim(text)//' '//trim(units%symbol(i))//POWER(e))
       end do
       if (len_trim(text) == 0) text = '1'
    end function unit_field

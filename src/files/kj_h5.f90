@@ -11,7 +11,7 @@ module kj_h5
    use hdf5, only: hid_t, hsize_t, size_t, h5pset_fapl_core_f, h5pset_cache_f, h5open_f, &
       h5dont_atexit_f, &
       h5eset_auto_f, h5get_libversion_f, h5fcreate_f, h5fopen_f, h5fclose_f, &
-      h5gcreate_f, h5oclose_f, h5lcreate_hard_f, &
+      h5gcreate_f, h5oclose_f, h5lcreate_hard_f, h5rcreate_f, hobj_ref_t_f, &
       h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5screate_f, &
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
       h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
@@ -21,6 +21,7 @@ module kj_h5
       H5P_FILE_ACCESS_F, H5P_GROUP_CREATE_F, H5P_CRT_ORDER_TRACKED_F, H5P_CRT_ORDER_INDEXED_F, &
       H5S_SCALAR_F, H5T_STRING, H5T_CSET_UTF8_F, H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, H5T_STD_I64LE, &
       H5T_STD_I32LE, H5T_STD_I8LE
+   use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_channels, only: AS_F64, AS_I64, AS_I32, AS_I8
@@ -29,7 +30,7 @@ module kj_h5
    private
 
    public :: hid_t, start_hdf5, hdf5_version, create_file, open_file, close_file
-   public :: create_group, close_object, has_link, link_to
+   public :: create_group, close_object, find_place, has_link, link_to
    public :: put_text, put_texts, put_number, put_numbers
    public :: check, start_object, file_type, make_space, utf8_type, c_texts   ! for kj_h5_*
 
@@ -191,6 +192,22 @@ contains
       id = -1
       call check(status, 'close an object', error)
    end subroutine close_object
+
+   !> Where the header of a group or dataset lies in its file, -1 after an error
+   subroutine find_place(id, place, error)
+      integer(hid_t), intent(in) :: id
+      integer(int64), intent(out) :: place
+      type(error_t), allocatable, intent(inout) :: error
+
+      type(hobj_ref_t_f) :: reference
+      integer :: status
+
+      place = -1
+      if (allocated(error)) return
+      call h5rcreate_f(id, '.', reference, status)
+      if (status >= 0) place = int(reference%ref, int64)
+      call check(status, 'find an object', error)
+   end subroutine find_place
 
    !> Does the group have a link of this name?
    logical function has_link(parent, name)

@@ -3,6 +3,7 @@
 !> One file: the layout of the file can be read from the root down to the labels.
 module kj_h5_layout
    use, intrinsic :: iso_c_binding, only: c_ptr, C_NULL_PTR
+   use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    use kj_error, only: error_t, str
    use kj_units, only: unit_text, D_NUMBER, D_LENGTH, D_MASS, D_INERTIA, &
@@ -12,10 +13,10 @@ module kj_h5_layout
       OF_RUN, AS_I8, STORED_BYTES, CH_TIME, CH_OWNER_KIND, CH_FINAL, CH_J_STATE
    use kj_history, only: history_t, n_entity, variable_t
    use kj_text, only: text_t, as_utf8, is_plain
-   use kj_h5, only: hid_t, close_object, put_text, create_group, has_link, link_to, put_texts, &
-      put_number, put_numbers
+   use kj_h5, only: hid_t, close_object, find_place, put_text, create_group, has_link, link_to, &
+      put_texts, put_number, put_numbers
    use kj_h5_write, only: make_scale, attach_scales, close_scale, write_numbers, write_texts, &
-      create_series, write_text, new_scales, free_scales, list_users
+      start_series, end_series, create_series, write_text, new_scales, free_scales
    use kj_version, only: KJOINT_VERSION
    use kj_sha256, only: add_text, digest_of, sha256_t
    implicit none
@@ -33,6 +34,7 @@ module kj_h5_layout
    type :: group_scope_t
       integer(hid_t) :: group = -1
       type(c_ptr) :: scales = C_NULL_PTR                       !! that are open, of all groups
+      integer(hid_t) :: series = -1                            !! how datasets over time are made
       integer(hid_t) :: time = -1, entity = -1                 !! the scales
       integer(hid_t) :: axis = -1, quaternion = -1, axis6 = -1   !! those over components
       integer(hid_t) :: principal = -1                         !! that over principal axes
@@ -257,12 +259,13 @@ contains
       integer(hid_t), intent(in) :: file
       type(history_t), intent(in) :: history
       integer, intent(in) :: n_chunk               !! rows in a chunk
-      integer(hid_t), intent(out) :: series(:)     !! open dataset of each variable, -1 when empty
+      integer(int64), intent(out) :: series(:)     !! where each dataset over time lies, -1 = none
       type(error_t), allocatable, intent(inout) :: error
 
       type(group_scope_t) :: root
       character(len=64) :: all_input
       character(len=64), allocatable :: input(:)
+      integer(hid_t) :: id
       integer :: owner, i
 
       series = -1
@@ -270,20 +273,22 @@ contains
       call put_root_attributes(file, history, all_input, error)
       root%group = file
       root%scales = new_scales()
+      call start_series(root%series, error)
       root%coordinates = ''
       i = findloc(history%variable%channel, CH_TIME, 1)
-      call write_variable(root, history, history%variable(i), n_chunk, series(i), error)
-      root%time = series(i)
+      call write_variable(root, history, history%variable(i), n_chunk, root%time, series(i), error)
       do i = 1, size(history%variable)
          if (channels(history%variable(i)%channel)%owner /= OF_RUN .or. series(i) >= 0) cycle
-         call write_variable(root, history, history%variable(i), n_chunk, series(i), error)
+         call write_variable(root, history, history%variable(i), n_chunk, id, series(i), error)
+         call close_object(id, error)
       end do
       do owner = OF_JOINT, OF_SPRING
          call write_group(root, history, owner, n_chunk, series, error)
       end do
       if (allocated(history%shape%body)) call write_shape(root, history, error)
-      call list_users(root%scales, root%time, error)
+      call close_scale(root%scales, root%time, error)
       call free_scales(root%scales)
+      call end_series(root%series)
       call write_input(file, history, input, error)
    end subroutine write_layout
 
@@ -342,16 +347,18 @@ contains
       type(group_scope_t), intent(in) :: root
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner, n_chunk
-      integer(hid_t), intent(inout) :: series(:)
+      integer(int64), intent(inout) :: series(:)
       type(error_t), allocatable, intent(inout) :: error
 
       type(group_scope_t) :: scope
+      integer(hid_t) :: id
       integer :: i
 
       if (n_entity(history, owner) == 0) return
       call create_group(root%group, trim(groups(owner)%path), scope%group, error)
       scope%time = root%time
       scope%scales = root%scales
+      scope%series = root%series
       call put_text(scope%group, 'NX_class', 'NXdata', error)
       call put_signal(scope%group, history, owner, error)
       if (root%time >= 0) call link_to(root%group, '/time', scope%group, 'time', error)
@@ -360,7 +367,8 @@ contains
       do i = 1, size(history%variable)
          if (channels(history%variable(i)%channel)%owner /= owner) cycle
          if (history%variable(i)%n_entity == 0) cycle
-         call write_variable(scope, history, history%variable(i), n_chunk, series(i), error)
+         call write_variable(scope, history, history%variable(i), n_chunk, id, series(i), error)
+         call close_object(id, error)
       end do
       call close_scale(scope%scales, scope%entity, error)
       call close_scale(scope%scales, scope%axis, error)
@@ -470,12 +478,13 @@ contains
    end function entities_in_chunk
 
    !> Create the dataset of one variable over time and leave it open
-   subroutine write_variable(scope, history, variable, n_chunk, id, error)
+   subroutine write_variable(scope, history, variable, n_chunk, id, place, error)
       type(group_scope_t), intent(in) :: scope
       type(history_t), intent(in) :: history
       type(variable_t), intent(in) :: variable
       integer, intent(in) :: n_chunk
       integer(hid_t), intent(out) :: id
+      integer(int64), intent(out) :: place
       type(error_t), allocatable, intent(inout) :: error
 
       integer, allocatable :: dims(:), chunk(:)
@@ -487,7 +496,7 @@ contains
       allocate (chunk(rank))
       chunk = [dims, n_chunk]
       if (rank > 1) chunk(rank - 1) = entities_in_chunk(variable, n_chunk)
-      call create_series(scope%group, trim(channels(variable%channel)%name), &
+      call create_series(scope%group, scope%series, trim(channels(variable%channel)%name), &
          channels(variable%channel)%kind, dims, chunk, id, error)
       if (variable%channel == CH_TIME) then
          call make_scale(id, 'time', error)
@@ -499,6 +508,7 @@ contains
          call attach_scales(scope%scales, id, scales, error)
       end if
       call put_variable_attributes(id, scope, history, variable%channel, error)
+      call find_place(id, place, error)
    end subroutine write_variable
 
    subroutine put_variable_attributes(id, scope, history, row, error)

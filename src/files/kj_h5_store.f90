@@ -3,6 +3,7 @@
 module kj_h5_store
    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_size_t, c_double, c_char, c_ptr, &
       C_NULL_PTR, c_associated, c_null_char, c_f_pointer
+   use, intrinsic :: iso_fortran_env, only: int64
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, ERR_FILE, str
    use kj_h5, only: hid_t
@@ -114,9 +115,9 @@ contains
    subroutine begin_store(descriptor, file, series, time, run, live, store, error)
       integer, intent(in) :: descriptor          !! of the empty file; the store closes it
       integer(hid_t), intent(in) :: file         !! create_image's
-      integer(hid_t), intent(in) :: series(:)    !! datasets over time, -1 = none
+      integer(int64), intent(in) :: series(:)    !! places of datasets over time, -1 = none
       integer, intent(in) :: time                !! which of them holds the time
-      integer(hid_t), intent(in) :: run          !! the group whose attributes finish_store sets
+      integer(int64), intent(in) :: run          !! that of the group that finish_store sets
       logical, intent(in) :: live                !! readers may follow it (SWMR)
       type(c_ptr), intent(out) :: store
       type(error_t), allocatable, intent(inout) :: error
@@ -124,8 +125,8 @@ contains
       store = C_NULL_PTR
       if (allocated(error)) return
       store = kj_store_begin(int(descriptor, c_int), int(file, c_int64_t), &
-         size(series, kind=c_size_t), int(series, c_int64_t), int(time - 1, c_size_t), &
-         int(run, c_int64_t), merge(1_c_int, 0_c_int, live))
+         size(series, kind=c_size_t), series, int(time - 1, c_size_t), run, &
+         merge(1_c_int, 0_c_int, live))
       if (.not. c_associated(store)) call fail(error, ERR_FILE, 'there is no room for a history')
    end subroutine begin_store
 

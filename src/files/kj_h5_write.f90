@@ -19,8 +19,8 @@ module kj_h5_write
    implicit none
    private
 
-   public :: create_series, cut_series, make_scale, attach_scales, list_users, close_scale, &
-      write_numbers, write_texts, write_text, write_bytes, new_scales, free_scales
+   public :: start_series, end_series, create_series, cut_series, make_scale, attach_scales, &
+      close_scale, write_numbers, write_texts, write_text, write_bytes, new_scales, free_scales
 
    integer, parameter :: DEFLATE_LEVEL = 1
 
@@ -58,9 +58,33 @@ module kj_h5_write
 
 contains
 
+   !> Creation properties of datasets over time, for end_series to close
+   subroutine start_series(plist, error)
+      integer(hid_t), intent(out) :: plist
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer :: status
+
+      plist = -1
+      if (allocated(error)) return
+      call start_object(H5P_DATASET_CREATE_F, plist, status)
+      if (status >= 0) call h5pset_shuffle_f(plist, status)
+      if (status >= 0) call h5pset_deflate_f(plist, DEFLATE_LEVEL, status)
+      call check(status, 'make ready for datasets', error)
+   end subroutine start_series
+
+   !> Close them, also after an error
+   subroutine end_series(plist)
+      integer(hid_t), intent(in) :: plist
+
+      integer :: ignored
+
+      if (plist > 0) call h5pclose_f(plist, ignored)
+   end subroutine end_series
+
    !> Create a dataset over time and leave it open: no rows yet, last dimension unlimited
-   subroutine create_series(parent, name, kind, dims, chunk, id, error)
-      integer(hid_t), intent(in) :: parent
+   subroutine create_series(parent, plist, name, kind, dims, chunk, id, error)
+      integer(hid_t), intent(in) :: parent, plist  !! the latter of start_series
       character(len=*), intent(in) :: name
       integer, intent(in) :: kind                  !! AS_ constant
       integer, intent(in) :: dims(:)               !! of one row, e.g. [axes, entities], or none
@@ -68,7 +92,7 @@ contains
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
 
-      integer(hid_t) :: space, plist
+      integer(hid_t) :: space
       integer(hsize_t) :: most(size(chunk))
       integer :: status, ignored
 
@@ -76,15 +100,11 @@ contains
       if (allocated(error)) return
       space = -1
       most = [int(dims, hsize_t), H5S_UNLIMITED_F]
-      call start_object(H5P_DATASET_CREATE_F, plist, status)
-      if (status >= 0) call h5pset_chunk_f(plist, size(chunk), int(chunk, hsize_t), status)
-      if (status >= 0) call h5pset_shuffle_f(plist, status)
-      if (status >= 0) call h5pset_deflate_f(plist, DEFLATE_LEVEL, status)
+      call h5pset_chunk_f(plist, size(chunk), int(chunk, hsize_t), status)
       if (status >= 0) call h5screate_simple_f(size(chunk), &
          [int(dims, hsize_t), 0_hsize_t], space, status, most)
       if (status >= 0) call h5dcreate_f(parent, name, file_type(kind), space, id, status, plist)
       if (space > 0) call h5sclose_f(space, ignored)
-      if (plist > 0) call h5pclose_f(plist, ignored)
       call check(status, 'create the dataset '//name, error)
    end subroutine create_series
 
@@ -142,23 +162,14 @@ contains
          'attach dimension scales', error)
    end subroutine attach_scales
 
-   !> A scale has all its datasets: note them in it
-   subroutine list_users(scales, id, error)
-      type(c_ptr), intent(in) :: scales            !! that are open
-      integer(hid_t), intent(in) :: id
-      type(error_t), allocatable, intent(inout) :: error
-
-      if (allocated(error) .or. id < 0) return
-      call check(int(kj_scales_end(scales, id)), 'list the users of a dimension scale', error)
-   end subroutine list_users
-
-   !> The same, and close it, also after an error
+   !> A scale has all its datasets: note them in it, and close it, also after an error
    subroutine close_scale(scales, id, error)
       type(c_ptr), intent(in) :: scales            !! that are open
       integer(hid_t), intent(inout) :: id          !! -1 afterwards
       type(error_t), allocatable, intent(inout) :: error
 
-      call list_users(scales, id, error)
+      if (.not. allocated(error) .and. id >= 0) &
+         call check(int(kj_scales_end(scales, id)), 'list the users of a dimension scale', error)
       call close_object(id, error)
    end subroutine close_scale
 

@@ -8,7 +8,7 @@
 !> One file: the sink, whose parts share its state.
 module kj_sink_h5
    use, intrinsic :: iso_c_binding, only: c_ptr, C_NULL_PTR, c_associated
-   use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options
+   use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options, int64
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE, ERR_INTERNAL
    use kj_version, only: KJOINT_VERSION
@@ -19,7 +19,7 @@ module kj_sink_h5
    use kj_sink, only: sink_t
    use kj_output, only: settle_output, open_part, name_part, has_name
    use kj_h5, only: hid_t, start_hdf5, hdf5_version, create_file, close_file, create_group, &
-      put_text, put_number
+      close_object, find_place, put_text, put_number
    use kj_h5_layout, only: write_layout
    use kj_h5_store, only: begin_store, commit_rows, last_rows, finish_store, close_store, &
       packer_t, new_packer, free_packer, write_in_background, finish_background, write_buffer
@@ -128,8 +128,8 @@ contains
       type(error_t), allocatable, intent(inout) :: error
 
       type(error_t), allocatable :: closing
-      integer(hid_t) :: file, run
-      integer(hid_t) :: series(size(history%variable))
+      integer(hid_t) :: file
+      integer(int64) :: series(size(history%variable)), run
 
       call start_hdf5(error)
       call create_file(self%target//' in memory', file, error, image=.true., live=self%live)
@@ -158,14 +158,17 @@ contains
 
    !> Write to /run what is known at the start, and room for the outcome; reproducible leaves out
    !> what differs between runs
-   subroutine put_start(self, history, file, run, error)
+   subroutine put_start(self, history, file, place, error)
       class(sink_h5_t), intent(in) :: self
       type(history_t), intent(in) :: history
       integer(hid_t), intent(in) :: file
-      integer(hid_t), intent(out) :: run
+      integer(int64), intent(out) :: place         !! of /run
       type(error_t), allocatable, intent(inout) :: error
 
+      integer(hid_t) :: run
+
       call create_group(file, 'run', run, error)
+      call find_place(run, place, error)
       if (.not. self%reproducible .and. allocated(self%command_line)) &
          call put_text(run, 'command_line', as_utf8(self%command_line), error)
       call put_text(run, 'version', KJOINT_VERSION, error)
@@ -184,6 +187,7 @@ contains
       call put_number(run, 'cycles', AS_I64, 0.0_wp, error)
       call put_text(run, 'status', 'RUNNING', error)
       call put_number(run, 'exit_code', AS_I32, 0.0_wp, error)
+      call close_object(run, error)
    end subroutine put_start
 
    !> Take one row. Errors: ERR_FILE when it, or one before, cannot be written, ERR_INTERNAL when it

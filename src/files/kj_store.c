@@ -432,14 +432,12 @@ static int tells_outcome(const kj_message *m)
 }
 
 /* Move messages of an object into the table, within a page of it. NULL: it is no such object. */
-static unsigned char *into_table(kj_store *o, unsigned char *image, size_t n, hid_t object,
+static unsigned char *into_table(kj_store *o, unsigned char *image, size_t n, uint64_t header,
    int (*wanted)(const kj_message *), size_t *n_block)
 {
-   hobj_ref_t header;
    unsigned char block[MOST_BLOCK], *place;
    uint64_t at = o->table_at + o->n_table;
 
-   if (H5Rcreate(&header, object, ".", H5R_OBJECT, -1) < 0) return NULL;
    *n_block = kj_move_messages(image, n, header, wanted, &at, block, sizeof block);
    if (*n_block == 0) return NULL;
    place = memcpy(o->table + (at - o->table_at), block, *n_block);
@@ -449,13 +447,13 @@ static unsigned char *into_table(kj_store *o, unsigned char *image, size_t n, hi
 
 /* Find what changes over time of a dataset, and move it into the table. Negative: it is not as
    expected. */
-static int find_series(kj_store *o, unsigned char *image, size_t n, hid_t object, kj_series *s)
+static int find_series(kj_store *o, unsigned char *image, size_t n, uint64_t header, kj_series *s)
 {
    const unsigned char *dims = NULL, *layout = NULL;
    kj_message m;
    int more, i;
 
-   s->block = into_table(o, image, n, object, changes_over_time, &s->n);
+   s->block = into_table(o, image, n, header, changes_over_time, &s->n);
    if (!s->block) return -1;
    for (more = kj_next_message(s->block, s->n, NULL, &m); more;
       more = kj_next_message(s->block, s->n, &m, &m)) {
@@ -475,20 +473,20 @@ static int find_series(kj_store *o, unsigned char *image, size_t n, hid_t object
 }
 
 /* Make the table, behind the image of the file. Negative: something is not as expected */
-static int make_table(kj_store *o, unsigned char *image, size_t n, const hid_t *series, size_t time,
-   hid_t run)
+static int make_table(kj_store *o, unsigned char *image, size_t n, const int64_t *series, size_t time,
+   int64_t run)
 {
    size_t i;
 
    o->table_at = (n + PAGE - 1)/PAGE*PAGE;
    o->table = calloc(o->n_series + 2, PAGE);
    if (!o->table) return -1;
-   o->run = into_table(o, image, n, run, tells_outcome, &o->n_run);
+   o->run = into_table(o, image, n, (uint64_t)run, tells_outcome, &o->n_run);
    if (!o->run) return -1;
    for (i = 0; i < o->n_series; i++)
-      if (series[i] >= 0 && i != time && find_series(o, image, n, series[i], &o->series[i]) < 0)
+      if (series[i] >= 0 && i != time && find_series(o, image, n, (uint64_t)series[i], &o->series[i]) < 0)
          return -1;
-   if (series[time] >= 0 && find_series(o, image, n, series[time], &o->series[time]) < 0) return -1;
+   if (series[time] >= 0 && find_series(o, image, n, (uint64_t)series[time], &o->series[time]) < 0) return -1;
    o->n_table = (o->n_table + PAGE - 1)/PAGE*PAGE;
    o->heap_at = o->table_at + o->n_table;
    o->end = o->heap_at + KJ_HEAP;
@@ -508,10 +506,10 @@ static void hide_outcome(kj_store *o)
 }
 
 /* Write the file that HDF5 holds in memory (core driver), complete but for its rows, to the empty `file`.
-   `series`: its datasets over time, -1 where there is none, number `time` that of time; `run`: the group
-   of the outcome. live: readers may follow it (SWMR). NULL when that fails. */
-kj_store *kj_store_begin(int file, hid_t h5, size_t n_series, const hid_t *series, size_t time,
-   hid_t run, int live)
+   `series`: where its datasets over time lie, -1 where there is none, number `time` that of time; `run`:
+   where the group of the outcome does (kj_place). live: readers may follow it (SWMR). NULL when that fails. */
+kj_store *kj_store_begin(int file, hid_t h5, size_t n_series, const int64_t *series, size_t time,
+   int64_t run, int live)
 {
    kj_store *o = calloc(1, sizeof *o);
    unsigned char **memory = NULL, *image;
