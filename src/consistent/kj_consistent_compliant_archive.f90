@@ -69,6 +69,8 @@ contains
       call keep(self, pace%since)
       call keep(self, pace%drift)
       call keep(self, pace%failed)
+      call keep(self, pace%longest)
+      call keep(self, pace%crawled)
       call keep(self, pace%tries)
       call keep(self, pace%passes)
       call keep(self, pace%halvings)

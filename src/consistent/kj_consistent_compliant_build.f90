@@ -7,7 +7,9 @@ module kj_consistent_compliant_build
    use kj_joint_batch, only: is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, LAW_SPRING, &
       LAW_SPRING_CURVE, LAW_HARDENED
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_compliant_types, only: compliant_t, leads_then_t, end_t, damper_t
+   use kj_consistent_batch, only: consistent_joint_t
+   use kj_consistent_compliant_types, only: compliant_t, compliant_joint_t, leads_then_t, end_t, &
+      damper_t
    use kj_consistent_compliant_pattern, only: new_pattern, place
    use kj_consistent_compliant_factor, only: new_factor
    implicit none
@@ -49,6 +51,7 @@ contains
             self%explicit(NDOF, size(model%batch)))
          do b = 1, size(model%batch)
             call new_rows(model, b, self)
+            if (.not. rigid) call find_energies(state%joint(b), self%joint(b))
          end do
          self%any_damper = any(self%damped)
          self%partly = model%hold_of > 0 .or. .not. (model%inverse_mass > 0.0_wp .and. &
@@ -102,6 +105,18 @@ contains
          end do
       end associate
    end subroutine new_rows
+
+   !> Energy of the rows in the present pose, which that of the joints has in it
+   pure subroutine find_energies(joint, rows)
+      type(consistent_joint_t), intent(in) :: joint
+      type(compliant_joint_t), intent(inout) :: rows
+
+      integer :: at
+
+      do at = 1, size(rows%block)
+         rows%block(at)%elastic = 0.5_wp*sum(rows%block(at)%k*joint%block(at)%q**2, dim=2)
+      end do
+   end subroutine find_energies
 
    !> Nodes of the matrix, three unknowns each: translations of a joint that has rows, its rotations
    !> if they are rows, velocity and angular velocity of bodies that are held in some directions,

@@ -7,7 +7,7 @@ module kj_consistent_compliant_march
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound, has_moved
    use kj_consistent_compliant_types, only: compliant_t
-   use kj_consistent_compliant_step, only: compliant_step
+   use kj_consistent_compliant_step, only: compliant_step, find_worst
    use kj_consistent_compliant_build, only: new_compliant
    use kj_consistent_compliant_start, only: start_velocities
    use kj_consistent_compliant_forces, only: locks_turn
@@ -26,6 +26,8 @@ module kj_consistent_compliant_march
    real(wp), parameter :: LEAST_PART = 0.25_wp   !! of the error of a mean step: may always be
    real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
    real(wp), parameter :: START_PART = 0.02_wp   !! of the run, first steps at most: what gives way
+   real(wp), parameter :: CRAWL = 1.0e-8_wp      !! of the longest step: no motion asks for that
+   integer, parameter :: MOST_CRAWLED = 1000     !! steps in a row
    real(wp), parameter :: USUAL = 1.0e-3_wp      !! at once is no error; less below this tolerance
 
    !> Step control
@@ -51,6 +53,8 @@ module kj_consistent_compliant_march
       integer :: since = 0                       !! steps since the last look
       real(wp) :: drift = 0.0_wp                 !! sum of errors over the allowed since then
       integer :: failed = 0                      !! halvings in a row
+      real(wp) :: longest = 0.0_wp               !! step so far
+      integer :: crawled = 0                     !! steps in a row that were next to nothing of it
       integer :: tries = 0                       !! of a step, after the first
       integer :: passes = 0, halvings = 0, rejected = 0   !! of the run
       type(bound_t) :: bound
@@ -93,6 +97,8 @@ contains
          state%compliant%loss = loss
          state%compliant%kinetic = kinetic
       end if
+      state%compliant%least_scale = max(state%compliant%kinetic, &
+         self%tolerance*state%compliant%size*sum(norm2(state%f, dim=2)))
       call take_limit(model, state, self)
       call try_first_steps(model, state, self)
       if (self%limited) call look_at_stops(model, state, self, late)
@@ -241,6 +247,13 @@ contains
             cycle
          end if
          self%tries = 0
+         self%longest = max(self%longest, self%h)
+         self%crawled = merge(self%crawled + 1, 0, self%h_error < CRAWL*self%longest)
+         if (self%crawled > MOST_CRAWLED) then
+            call find_worst(model, state%compliant)
+            state%compliant%failed = .true.
+            return
+         end if
          self%left = self%left - 1
          if (self%left == 0) state%time = self%target
          call watch(model, state, self)

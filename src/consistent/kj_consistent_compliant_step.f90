@@ -25,7 +25,8 @@ module kj_consistent_compliant_step
    implicit none
    private
 
-   public :: compliant_step, look_ahead, prepare, put_locks, velocity_sides, velocity_forces
+   public :: compliant_step, look_ahead, prepare, put_locks, velocity_sides, &
+      velocity_forces, find_worst
 
    !> with the Kn of the deck, and with infinite ones
    integer, parameter :: MOST_PASSES(2) = [8, 12]
@@ -313,7 +314,7 @@ contains
       end do
    end subroutine correct_all
 
-   !> The joint with the largest force that is left over
+   !> The joint with the largest force that is left over, after a step with the largest that it has
    subroutine find_worst(model, self)
       type(consistent_model_t), intent(in) :: model
       type(compliant_t), intent(inout) :: self

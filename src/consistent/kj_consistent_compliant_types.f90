@@ -169,6 +169,8 @@ module kj_consistent_compliant_types
       logical :: failed = .false.                !! steps came to an end
       real(wp) :: loss = 0.0_wp                  !! kinetic energy that the start took
       real(wp) :: kinetic = 0.0_wp               !! that there was before
+      !> that, and of the first forces over as much way as positions may be wrong by
+      real(wp) :: least_scale = 0.0_wp
    end type compliant_t
 
 end module kj_consistent_compliant_types

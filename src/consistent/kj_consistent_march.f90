@@ -478,18 +478,20 @@ contains
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: kinetic, joints, s
+      real(wp) :: kinetic, joints, lost, s
       integer :: b, i
 
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       kinetic = 0.5_wp*(sum(model%mass*sum(state%v**2, dim=2)) + sum(state%l*state%poses%w))
       joints = 0.0_wp
+      lost = 0.0_wp
       state%energy = 0.0_wp
       do b = 1, size(state%joint)
          do i = 1, size(state%joint(b)%block)
             associate (lanes => state%joint(b)%block(i))
                state%energy = state%energy + sum(lanes%elastic)
                joints = joints + sum(lanes%elastic) + sum(lanes%dissipated)
+               lost = lost + sum(lanes%dissipated)
             end associate
          end do
       end do
@@ -497,9 +499,12 @@ contains
       s = kinetic + joints + potential(model, state) - state%work
       if (state%by_steps .and. .not. allocated(state%compliant)) &
          s = s - state%h**2/8.0_wp*kick_term(model, state) + state%offset
+      if (allocated(state%compliant)) s = s - min(0.0_wp, lost)   ! joints do not give energy
       if (state%cycle == 0) then
          state%s0 = s
          state%scale = energy_of_rounding(model, state)
+         if (allocated(state%compliant)) state%scale = max(state%scale, &
+            state%compliant%least_scale)
       end if
       call close_ledger(s - state%s0, state)
    end subroutine balance_ledger

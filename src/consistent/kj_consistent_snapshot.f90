@@ -16,7 +16,7 @@ module kj_consistent_snapshot
    use kj_consistent_conditions, only: body_matrix, held_force
    use kj_consistent_motion, only: motion_accelerations
    use kj_consistent_step, only: place_node
-   use kj_consistent_march, only: march_t, balance_ledger
+   use kj_consistent_march, only: march_t, balance_ledger, COMPLIANT
    use kj_consistent_compliant_show, only: begin_show, end_show
    use kj_consistent_islands, only: part_t, gather_parts
    implicit none
@@ -43,6 +43,7 @@ contains
          call begin_show(model, march%pace%h, state)
       end if
       call show_consistent_clock(model, march, state, now)
+      now%counts_losses = march%integrator == COMPLIANT
       now%work = state%work
       now%energy_error = state%error
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
@@ -194,7 +195,6 @@ contains
                x = x + r
                d = d + (r - (model%x0(node, :) - model%x0(lead, :)))
                v = v + cross(now%w(lead, :), r)
-               r = x - now%x(lead, :)
                a = a + cross(now%al(lead, :), r) + cross(now%w(lead, :), cross(now%w(lead, :), r))
             end if
             call show_node(model%model_t, k, skew_now(model, state, model%th_node_skew(k)), x, d, &

@@ -294,10 +294,14 @@ contains
          case (CH_J_VEL); call take(s%rate(:, 1:3), roster, y)
          case (CH_J_ANGVEL); call take(s%rate(:, 4:6), roster, y)
          case (CH_J_IE, CH_S_IE); call take(s%energy, roster, y)
-         case (CH_J_ELASTIC); call elastic_energies(model, b, s, roster, y)
-         case (CH_J_DISSIPATED)
-            call elastic_energies(model, b, s, roster, y)
-            y(1, roster%entity) = s%energy(roster%place) - y(1, roster%entity)
+         case (CH_J_ELASTIC, CH_J_DISSIPATED)
+            if (now%counts_losses) then
+               y(1, roster%entity) = s%energy(roster%place) - s%dissipated(roster%place)
+            else
+               call elastic_energies(model, b, s, roster, y)
+            end if
+            if (channel == CH_J_DISSIPATED) &
+               y(1, roster%entity) = s%energy(roster%place) - y(1, roster%entity)
          case (CH_J_LENGTH, CH_S_LENGTH); call take(s%length, roster, y)
          case (CH_J_VIOL_T); call violations(joint_types(b%row)%free(1:3), s%q(:, 1:3), roster, y)
          case (CH_J_VIOL_R); call violations(joint_types(b%row)%free(4:6), s%q(:, 4:6), roster, y)

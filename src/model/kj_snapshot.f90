@@ -62,6 +62,7 @@ module kj_snapshot
       !> velocities and rates are older than `time` by so much: half a step under legacy
       real(wp) :: lag = 0.0_wp
       logical :: stops_alone = .false.           !! each of combined stops has its own radius
+      logical :: counts_losses = .false.         !! elastic energy of joints is what was not lost
       real(wp) :: work = 0.0_wp                  !! external work
       real(wp) :: energy_error = 0.0_wp          !! as a fraction
       type(balance_t) :: balance

@@ -346,6 +346,30 @@ class Mechanisms(unittest.TestCase):
                     self.assertIn("does not converge", run.text)
 
 
+    def test_drives_that_joints_do_not_allow_end_with_an_error(self):
+        """A slider drawn beyond the reach of its rods: steps of 1e-11 s and forces of 1e21 N for ever, before"""
+        build = scenes.slider_crank()
+        build.drive(4, "IMPVEL", "X", ((0, 0.5), (9, 0.5)))
+        run = scene(build, 1.0, 0.01, *INF, fails=True)
+        self.assertIn("does not converge", run.text)
+        self.assertTrue(run.finite())
+
+    def test_joints_that_give_energy_end_with_an_error(self):
+        """Masses of 2e7 and 0.2 kg by turns are beyond what the bound on K leaves of a rigid joint: links gained 300 times
+        the energy of the fall, in silence"""
+        build = scenes.chain(5)
+        for k in (1, 3, 5):
+            main, nodes, mass, inertia = build.members[k]
+            build.members[k] = main, nodes, 1e8 * mass, tuple(1e8 * np.array(inertia))
+        self.assertIn("energy error", scene(build, 0.3, 0.01, *INF, fails=True).text)
+
+    def test_a_kn_that_no_step_sees_stores_next_to_nothing(self):
+        """Bricard with 1e13 N/m: 140 J, 380 times the kinetic energy, were told as elastic, as many given back as lost"""
+        run = scene(scenes.bricard(1e13), 0.2, 0.01)
+        for channel in ("joint/elastic_energy", "joint/dissipated_energy"):
+            self.assertLess(np.abs(run[channel]).max(), 1e-3 * run["kinetic_energy_rot"].max())
+
+
 def trend(run):
     """Last against first tenth, and swing, of kinetic + work on joints + potential, over the largest kinetic energy"""
     kinetic = run["kinetic_energy_trans"] + run["kinetic_energy_rot"]
