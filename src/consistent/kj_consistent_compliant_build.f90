@@ -58,7 +58,7 @@ contains
             model%inverse_inertia(:, 1) > 0.0_wp)
          call new_nodes(model, self)
          call list_dampers(model, self)
-         allocate (self%y(n, 3), self%turn(n, 3), self%ij(n, 6), &
+         allocate (self%y(n, 3), self%turn(n, 3), &
             self%free(3, 3, 2, merge(n, 0, any(self%partly))), source=0.0_wp)
          call new_leads(model, state, self%start)
          allocate (self%then%joint(BLOCK, 27, sum((model%batch%n + BLOCK - 1)/BLOCK)), &

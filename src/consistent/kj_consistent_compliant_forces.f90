@@ -1,6 +1,5 @@
-!> What joints do in a step of the integrator `compliant` beside their implicit rows: coordinates of
-!> a pose, explicit springs, stops and friction, dampers of explicit rows, locks, and their
-!> energies.
+!> What joints do in a step of the integrator `compliant` beside their implicit rows: explicit
+!> springs, stops and friction, dampers of explicit rows, and locks.
 !> Source: docs/theory/compliant.md 2, 5.
 !> One file: what a step does with the joints, stage by stage.
 module kj_consistent_compliant_forces
@@ -8,80 +7,27 @@ module kj_consistent_compliant_forces
    use kj_block, only: BLOCK, block_of
    use kj_joint_types, only: joint_types, NDOF, CHART_VECTOR
    use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened, joint_batch_t
-   use kj_consistent_batch, only: limit_block_t, matrix_t
+   use kj_consistent_batch, only: limit_block_t
    use kj_consistent_matrix, only: rates, put_wrench, add_moment, N_CONSISTENT_WRENCH
-   use kj_consistent_springs, only: coordinates, laws
+   use kj_consistent_springs, only: laws
    use kj_consistent_dampers, only: damper
    use kj_consistent_hardening, only: hardened_damper
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_compliant_types, only: compliant_t, compliant_block_t
+   use kj_consistent_compliant_types, only: compliant_t
    use kj_consistent_compliant_matrix, only: add_wrenches, wrench_of_rows
+   use kj_consistent_compliant_rows, only: take_block
    implicit none
    private
 
-   public :: see_joints, spring_forces, damper_rows, add_rests, put_forces, close_rows, &
-      take_coordinates, renew_locks, locks_turn, ALL_DOFS
+   public :: spring_forces, damper_rows, add_rests, take_coordinates, renew_locks, &
+      locks_turn, ALL_DOFS
 
    logical, parameter :: ALL_DOFS(NDOF) = .true.
    real(wp), parameter :: SAME_TIME = 1.0e-9_wp  !! of the time itself
 
 contains
 
-   !> Coordinates and B of all joints in the present pose, as tried ones
-   subroutine see_joints(model, state, self)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
-      type(compliant_t), intent(inout) :: self
 
-      integer :: piece
-
-      if (model%team%threads > 1) then           ! a team of one costs, too
-         !$omp parallel do schedule(static) num_threads(model%team%threads)
-         do piece = 1, size(model%team%joint, 2)
-            call see_piece(model, model%team%joint(:, piece), state, self)
-         end do
-      else
-         do piece = 1, size(model%team%joint, 2)
-            call see_piece(model, model%team%joint(:, piece), state, self)
-         end do
-      end if
-   end subroutine see_joints
-
-   !> Those of a piece: batch, first joint, last joint
-   pure subroutine see_piece(model, piece, state, self)
-      type(consistent_model_t), intent(in) :: model
-      integer, intent(in) :: piece(3)
-      type(consistent_state_t), intent(in) :: state
-      type(compliant_t), intent(inout) :: self
-
-      integer :: from, n, at, i
-
-      associate (batch => model%batch(piece(1)))
-         do from = piece(2), piece(3), BLOCK
-            n = min(BLOCK, piece(3) - from + 1)
-            at = block_of(from)
-            associate (rows => self%joint(piece(1))%block(at), &
-               before => state%joint(piece(1))%block(at)%q)
-               select case (n)                   ! few joints: kernels of their own
-               case (1)
-                  call coordinates(batch, state%poses, from, 1, before, rows%q, rows%b, rows%rot)
-               case (2)
-                  call coordinates(batch, state%poses, from, 2, before, rows%q, rows%b, rows%rot)
-               case (3)
-                  call coordinates(batch, state%poses, from, 3, before, rows%q, rows%b, rows%rot)
-               case (4)
-                  call coordinates(batch, state%poses, from, 4, before, rows%q, rows%b, rows%rot)
-               case default
-                  call coordinates(batch, state%poses, from, n, before, rows%q, rows%b, rows%rot)
-               end select
-               if (batch%geometry%chart /= CHART_VECTOR .or. .not. batch%limited) cycle
-               do i = 1, n                       ! locked: forces belong to the coordinates
-                  if (any(rows%k(i, 4:6) > 0.0_wp)) rows%b%turn(i, :) = rows%rot(i, :)
-               end do
-            end associate
-         end do
-      end associate
-   end subroutine see_piece
 
    !> Forces of explicit rows without dampers in the pose that was seen, added to those of the
    !> leads; what they store and lose
@@ -273,98 +219,8 @@ contains
       end do
    end subroutine add_rests
 
-   !> Add the forces of constraints to those of the leads: multipliers f in the pose of B, dampers
-   !> of explicit rows as they are (first), or g in the pose that is tried
-   subroutine put_forces(model, first, self, state)
-      type(consistent_model_t), intent(in) :: model
-      logical, intent(in) :: first               !! position stage
-      type(compliant_t), intent(in) :: self
-      type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: f(BLOCK, 6), w(BLOCK, N_CONSISTENT_WRENCH)
-      integer :: b, at, from, n, k
 
-      do b = 1, size(model%batch)
-         if (.not. self%rowed(b)) cycle
-         do at = 1, size(self%joint(b)%block)
-            from = BLOCK*(at - 1) + 1
-            n = min(BLOCK, model%batch(b)%n - from + 1)
-            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
-               if (first) then
-                  do k = 1, self%last(b)
-                     f(:n, k) = rows%f(:n, k)
-                     if (self%explicit(k, b)) f(:n, k) = f(:n, k) + lanes%fd(:n, k)
-                  end do
-                  call wrench_of_rows(n, self%last(b), f, lanes%b, w)
-               else
-                  call wrench_of_rows(n, self%last(b), rows%g, rows%b, w)
-               end if
-            end associate
-            call add_wrenches(model%batch(b), from, n, w, state%f, state%t)
-         end do
-      end do
-   end subroutine put_forces
-
-   !> After the velocity stage: work on implicit rows, which is elastic or lost, and of dampers;
-   !> the pose that was tried becomes the present one
-   subroutine close_rows(model, h, state, self)
-      type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
-      type(consistent_state_t), intent(inout) :: state
-      type(compliant_t), intent(inout) :: self
-
-      integer :: piece
-
-      if (model%team%threads > 1) then
-         !$omp parallel do schedule(static) num_threads(model%team%threads)
-         do piece = 1, size(model%team%joint, 2)
-            call close_piece(model, model%team%joint(:, piece), h, state, self)
-         end do
-      else
-         do piece = 1, size(model%team%joint, 2)
-            call close_piece(model, model%team%joint(:, piece), h, state, self)
-         end do
-      end if
-   end subroutine close_rows
-
-   subroutine close_piece(model, piece, h, state, self)
-      type(consistent_model_t), intent(in) :: model
-      integer, intent(in) :: piece(3)
-      real(wp), intent(in) :: h
-      type(consistent_state_t), intent(inout) :: state
-      type(compliant_t), intent(inout) :: self
-
-      real(wp) :: rate(BLOCK, 6)
-      integer :: b, at, from, n, k
-
-      b = piece(1)
-      do from = piece(2), piece(3), BLOCK
-         n = min(BLOCK, piece(3) - from + 1)
-         at = block_of(from)
-         associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
-            if (self%rowed(b)) call count_work(n, self%last(b), lanes%q, &
-               rows, lanes%elastic, lanes%dissipated)
-            if (self%damped(b)) then
-               call rates(model%batch(b), ALL_DOFS, self%start%v_half, state%poses%w_left, &
-                  from, n, lanes%b, rate)
-               call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
-               do k = 1, NDOF
-                  if (self%explicit(k, b)) lanes%fd(:n, k) = merge(0.0_wp, rows%g(:n, k), &
-                     rows%k(:n, k) > 0.0_wp)
-               end do
-               call rates(model%batch(b), ALL_DOFS, self%start%v_half, self%start%w_half, from, &
-                  n, rows%b, rate)
-               call take_power(n, h, self%explicit(:, b), lanes%fd, rate, lanes%dissipated)
-            end if
-            do k = 1, self%last(b)
-               rows%f_third(:n, k) = rows%f_before(:n, k)
-               rows%f_before(:n, k) = rows%f_last(:n, k)
-               rows%f_last(:n, k) = rows%f(:n, k)
-            end do
-            call take_block(n, rows%q, rows%b, lanes%q, lanes%b)
-         end associate
-      end do
-   end subroutine close_piece
 
    !> Coordinates and B of the pose that was tried become those of the joints
    subroutine take_coordinates(model, state, self)
@@ -384,63 +240,8 @@ contains
       end do
    end subroutine take_coordinates
 
-   pure subroutine take_block(n, from_q, from_b, q, b)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: from_q(BLOCK, 6)
-      type(matrix_t), intent(in) :: from_b
-      real(wp), intent(inout) :: q(BLOCK, 6)
-      type(matrix_t), intent(inout) :: b
 
-      q(:n, :) = from_q(:n, :)
-      b%force(:n, :) = from_b%force(:n, :)
-      b%couple(:n, :) = from_b%couple(:n, :)
-      b%turn(:n, :) = from_b%turn(:n, :)
-      b%apart(:n, :) = from_b%apart(:n, :)
-   end subroutine take_block
 
-   !> Half a step of the power of dampers of explicit rows
-   pure subroutine take_power(n, h, explicit, f, rate, dissipated)
-      integer, intent(in) :: n
-      real(wp), intent(in) :: h
-      logical, intent(in) :: explicit(NDOF)
-      real(wp), intent(in) :: f(BLOCK, 6), rate(BLOCK, 6)
-      real(wp), intent(inout) :: dissipated(BLOCK)
-
-      integer :: k
-
-      do k = 1, NDOF
-         if (explicit(k)) dissipated(:n) = dissipated(:n) + 0.5_wp*h*f(:n, k)*rate(:n, k)
-      end do
-   end subroutine take_power
-
-   !> Work of a step on implicit rows: 1/2 (f + g) (q - q(n)); elastic energy 1/2 k q^2 with the q
-   !> that f stands for; the rest is lost
-   pure subroutine count_work(n, last, before, rows, elastic, dissipated)
-      integer, intent(in) :: n, last
-      real(wp), intent(in) :: before(BLOCK, 6)
-      type(compliant_block_t), intent(inout) :: rows
-      real(wp), intent(inout) :: elastic(BLOCK), dissipated(BLOCK)
-
-      real(wp) :: work(BLOCK), stored(BLOCK), strain
-      integer :: i, k
-
-      work(:n) = 0.0_wp
-      stored(:n) = 0.0_wp
-      do k = 1, last
-         !$omp simd private(strain)
-         do i = 1, n
-            strain = rows%kappa(i, k)*rows%f(i, k) + rows%phi(i, k)*(before(i, k) - rows%q0(i, k))
-            stored(i) = stored(i) + 0.5_wp*rows%most(i, k)*strain**2
-            work(i) = work(i) + merge(0.5_wp*(rows%f(i, k) + rows%g(i, k))* &
-               (rows%q(i, k) - before(i, k)), 0.0_wp, rows%weight(i, k) > 0.0_wp)
-         end do
-      end do
-      do i = 1, n
-         elastic(i) = elastic(i) + (stored(i) - rows%elastic(i))
-         dissipated(i) = dissipated(i) + (work(i) - (stored(i) - rows%elastic(i)))
-         rows%elastic(i) = stored(i)
-      end do
-   end subroutine count_work
 
    !> Some lock begins or ends now
    pure logical function locks_turn(model, state) result(turn)

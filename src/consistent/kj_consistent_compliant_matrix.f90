@@ -3,22 +3,25 @@
 !> Source: docs/theory/compliant.md 4.
 !> One file: the matrix, from what its nodes have to its solutions.
 module kj_consistent_compliant_matrix
+   use, intrinsic :: iso_c_binding, only: c_loc, c_f_pointer
    use kj_kinds, only: wp
    use kj_math3, only: IDENTITY
-   use kj_block, only: BLOCK
+   use kj_block, only: BLOCK, block_of, lane_of, group_of
    use kj_joint_batch, only: joint_batch_t
-   use kj_consistent_batch, only: matrix_t
-   use kj_consistent_matrix, only: find_wrench, add_moment, N_CONSISTENT_WRENCH
-   use kj_consistent_body, only: columns, inverse_inertias
+   use kj_consistent_batch, only: matrix_t, consistent_block_t, in_groups, group_at
+   use kj_consistent_matrix, only: poses_t, find_wrench, add_moment, &
+      N_CONSISTENT_WRENCH
+   use kj_consistent_body, only: columns
    use kj_consistent_compliance, only: compliance
    use kj_consistent_conditions, only: free_directions
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_compliant_types, only: compliant_t, end_t, damper_t
+   use kj_consistent_compliant_types, only: compliant_t, compliant_block_t, end_t, damper_t
    use kj_consistent_compliant_factor, only: factorise, solve
    implicit none
    private
 
-   public :: assemble, solve_rows, moves_of_rows, add_wrenches, wrench_of_rows, ROWS_IN_USE
+   public :: assemble, put_side, solve_all, take_solution, solve_rows, moves_of_rows, &
+      add_wrenches, wrench_of_rows, rows_at, ROWS_IN_USE
 
    !> rows up to the third, or all
    logical, parameter :: YES = .true., NO = .false.
@@ -28,7 +31,7 @@ module kj_consistent_compliant_matrix
 
 contains
 
-   !> Assemble the matrix in the pose of B, and factorise it
+   !> Assemble the matrix in the pose of B and of the inverse inertias, and factorise it
    subroutine assemble(model, state, active, tried, self, good)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(in) :: state
@@ -37,26 +40,25 @@ contains
       type(compliant_t), intent(inout) :: self
       logical, intent(out) :: good
 
-      integer :: b, from
+      type(compliant_block_t), pointer :: rows
+      type(consistent_block_t), pointer :: lanes
+      integer :: b, from, n
 
-      call inverse_inertias(model, state%poses%quat, 1, model%n_lead, self%ij)
       self%factor%below(:, :, :) = 0.0_wp
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
-         do from = 0, model%batch(b)%n - 1, BLOCK
-            select case (model%batch(b)%n - from)   ! small numbers have kernels of their own
-            case (1)
-               call put_joints(1, model, b, from, state, tried, self)
-            case (2)
-               call put_joints(2, model, b, from, state, tried, self)
-            case (3)
-               call put_joints(3, model, b, from, state, tried, self)
-            case (4)
-               call put_joints(4, model, b, from, state, tried, self)
-            case default
-               call put_joints(min(BLOCK, model%batch(b)%n - from), model, b, from, state, tried, &
-                  self)
-            end select
+         from = 1
+         do while (from <= model%batch(b)%n)
+            n = min(BLOCK, model%batch(b)%n - from + 1)
+            if (in_groups(model%batch(b))) n = group_of(n)
+            call group_at(state%joint(b)%block(block_of(from)), lane_of(from), lanes)
+            call rows_at(self%joint(b)%block(block_of(from)), lane_of(from), rows)
+            if (tried) then
+               call put_group(n, model, b, from, state%poses, tried, rows%b, rows, self)
+            else
+               call put_group(n, model, b, from, state%poses, tried, lanes%b, rows, self)
+            end if
+            from = from + n
          end do
       end do
       call put_links(state, tried, self)
@@ -64,6 +66,15 @@ contains
       call factorise(self%pattern, self%factor, good)
       if (good) call find_responses(self)
    end subroutine assemble
+
+   !> Rows of a block from a place on, as if their block began there
+   subroutine rows_at(block, lane, rows)
+      type(compliant_block_t), target, intent(in) :: block
+      integer, intent(in) :: lane
+      type(compliant_block_t), pointer, intent(out) :: rows
+
+      call c_f_pointer(c_loc(block%k(lane, 1)), rows)
+   end subroutine rows_at
 
    !> What a unit force on the row of each damper does while those before it have none
    subroutine find_responses(self)
@@ -111,47 +122,67 @@ contains
       end associate
    end function acts
 
-   !> What n joints of a batch after `from` have alone
-   pure subroutine put_joints(n, model, b, from, state, tried, self)
+   !> What n joints of a batch have alone
+   subroutine put_group(n, model, b, from, poses, tried, matrix, rows, self)
+      integer, intent(in) :: n, b, from          !! number of joints, batch, first joint
+      type(consistent_model_t), intent(in) :: model
+      type(poses_t), intent(in) :: poses
+      logical, intent(in) :: tried
+      type(matrix_t), intent(in) :: matrix
+      type(compliant_block_t), target, intent(inout) :: rows
+      type(compliant_t), target, intent(inout) :: self   !! its blocks are not touched
+
+      select case (n)                            ! small numbers have kernels of their own
+      case (1)
+         call put_joints(1, model, b, from - 1, poses%ij, tried, matrix, rows, self)
+      case (2)
+         call put_joints(2, model, b, from - 1, poses%ij, tried, matrix, rows, self)
+      case (3)
+         call put_joints(3, model, b, from - 1, poses%ij, tried, matrix, rows, self)
+      case (4)
+         call put_joints(4, model, b, from - 1, poses%ij, tried, matrix, rows, self)
+      case (8)
+         call put_joints(8, model, b, from - 1, poses%ij, tried, matrix, rows, self)
+      case (BLOCK)
+         call put_joints(BLOCK, model, b, from - 1, poses%ij, tried, matrix, rows, self)
+      case default
+         call put_joints(n, model, b, from - 1, poses%ij, tried, matrix, rows, self)
+      end select
+   end subroutine put_group
+
+   pure subroutine put_joints(n, model, b, from, ij, tried, matrix, rows, self)
       integer, value :: n
       type(consistent_model_t), intent(in) :: model
-      integer, intent(in) :: b, from
-      type(consistent_state_t), intent(in) :: state
+      integer, intent(in) :: b, from             !! joint before the first
+      real(wp), contiguous, intent(in) :: ij(:, :)   !! of the leads, of the pose
       logical, intent(in) :: tried
-      type(compliant_t), intent(inout) :: self
+      type(matrix_t), intent(in) :: matrix
+      type(compliant_block_t), target, intent(inout) :: rows
+      type(compliant_t), target, intent(inout) :: self   !! its blocks are not touched
 
       real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), both, with
-      integer :: at, i, k, node, lead1, lead2
+      integer :: i, k, node, lead1, lead2
 
-      at = from/BLOCK + 1
       do i = 1, n
          lead1 = model%batch(b)%lead(from + i, 1)
          lead2 = model%batch(b)%lead(from + i, 2)
          im(i, 1) = self%im(lead1)
          im(i, 2) = self%im(lead2)
          do k = 1, 6
-            ij1(i, k) = self%share(lead1)*self%ij(lead1, k)
-            ij2(i, k) = self%share(lead2)*self%ij(lead2, k)
+            ij1(i, k) = self%share(lead1)*ij(lead1, k)
+            ij2(i, k) = self%share(lead2)*ij(lead2, k)
          end do
       end do
-      if (tried) then
-         call compliance(n, ROWS_IN_USE(:, self%last(b)/3), self%joint(b)%block(at)%b, im, ij1, &
-            ij2, s)
-      else
-         call compliance(n, ROWS_IN_USE(:, self%last(b)/3), state%joint(b)%block(at)%b, im, ij1, &
-            ij2, s)
-      end if
+      call compliance(n, ROWS_IN_USE(:, self%last(b)/3), matrix, im, ij1, ij2, s)
       with = merge(1.0_wp, 0.0_wp, tried .or. .not. self%apart)   ! rows of dampers, too
-      associate (rows => self%joint(b)%block(at))
-         do k = 1, self%last(b)
-            !$omp simd private(both)
-            do i = 1, n
-               both = rows%weight(i, k) + with*rows%damp(i, k)
-               rows%soft(i, k) = merge(1.0_wp/max(both, tiny(both)), NO_ROW, both > 0.0_wp)
-               s(i, k*(k + 1)/2) = s(i, k*(k + 1)/2) + rows%soft(i, k)
-            end do
+      do k = 1, self%last(b)
+         !$omp simd private(both)
+         do i = 1, n
+            both = rows%weight(i, k) + with*rows%damp(i, k)
+            rows%soft(i, k) = merge(1.0_wp/max(both, tiny(both)), NO_ROW, both > 0.0_wp)
+            s(i, k*(k + 1)/2) = s(i, k*(k + 1)/2) + rows%soft(i, k)
          end do
-      end associate
+      end do
       associate (f => self%factor)
          do i = 1, n
             node = self%node(model%batch(b)%first + from + i)
@@ -201,7 +232,7 @@ contains
                call gather(link%end(e), state, tried, self, rows(:, :, :, e))
             end do
             sign = merge(1.0_wp, -1.0_wp, link%end(1)%which == link%end(2)%which)
-            j = (sign*self%share(lead))*self%ij(lead, :)
+            j = (sign*self%share(lead))*state%poses%ij(lead, :)
             rows(:, :, 1, 2) = (sign*self%im(lead))*rows(:, :, 1, 2)
             call weigh(j, rows(:, :, 2, 2))
             if (link%place(1, 2) /= 0) call weigh(j, rows(:, :, 3, 2))
@@ -372,69 +403,111 @@ contains
    end subroutine put_bodies
 
    !> rows%r, times the weights, becomes the solution f of (B M^-1 B^T + 1/W) f = r
-   subroutine solve_rows(model, damped, self)
+   subroutine solve_rows(model, self)
       type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(inout) :: self
+
+      integer :: b, at, i, n, run
+
+      do run = 1, 2
+         do b = 1, size(model%batch)
+            if (.not. self%rowed(b)) cycle
+            do at = 1, size(self%joint(b)%block)
+               i = BLOCK*(at - 1) + 1
+               n = min(BLOCK, model%batch(b)%n - i + 1)
+               i = self%node(model%batch(b)%first + i)
+               if (run == 1) then
+                  call put_side(n, self%last(b), i, self%pattern%column, self%joint(b)%block(at), &
+                     self%factor%x)
+               else
+                  call take_solution(n, self%last(b), .false., i, self%pattern%column, &
+                     self%factor%x, self%joint(b)%block(at))
+               end if
+            end do
+         end do
+         if (run == 1) call solve_all(.false., self)
+      end do
+   end subroutine solve_rows
+
+   !> Right-hand side of n joints whose nodes begin with `node`, from rows%r times the weights
+   pure subroutine put_side(n, last, node, column, rows, x)
+      integer, value :: n
+      integer, intent(in) :: last, node
+      integer, contiguous, intent(in) :: column(:)
+      type(compliant_block_t), intent(in) :: rows
+      real(wp), contiguous, intent(inout) :: x(:, :)
+
+      integer :: i, c
+
+      do i = 1, n
+         c = column(node + (i - 1)*(last/3))
+         x(1, c) = rows%r(i, 1)*rows%soft(i, 1)
+         x(2, c) = rows%r(i, 2)*rows%soft(i, 2)
+         x(3, c) = rows%r(i, 3)*rows%soft(i, 3)
+      end do
+      if (last == 3) return
+      do i = 1, n
+         c = column(node + 2*i - 1)
+         x(1, c) = rows%r(i, 4)*rows%soft(i, 4)
+         x(2, c) = rows%r(i, 5)*rows%soft(i, 5)
+         x(3, c) = rows%r(i, 6)*rows%soft(i, 6)
+      end do
+   end subroutine put_side
+
+   !> Their solution as rows%r, 0 where there is no row
+   pure subroutine take_solution(n, last, damped, node, column, x, rows)
+      integer, value :: n
+      integer, intent(in) :: last, node
+      logical, intent(in) :: damped              !! rows of dampers have forces, too
+      integer, contiguous, intent(in) :: column(:)
+      real(wp), contiguous, intent(in) :: x(:, :)
+      type(compliant_block_t), intent(inout) :: rows
+
+      real(wp) :: with
+      integer :: i, k, c
+
+      do i = 1, n
+         c = column(node + (i - 1)*(last/3))
+         rows%r(i, 1) = x(1, c)
+         rows%r(i, 2) = x(2, c)
+         rows%r(i, 3) = x(3, c)
+         if (last == 3) cycle
+         c = column(node + 2*i - 1)
+         rows%r(i, 4) = x(1, c)
+         rows%r(i, 5) = x(2, c)
+         rows%r(i, 6) = x(3, c)
+      end do
+      with = merge(1.0_wp, 0.0_wp, damped)
+      do k = 1, last
+         !$omp simd
+         do i = 1, n
+            rows%r(i, k) = merge(rows%r(i, k), 0.0_wp, &
+               rows%weight(i, k) + with*rows%damp(i, k) > 0.0_wp)
+         end do
+      end do
+   end subroutine take_solution
+
+   !> self%factor%x := its solution
+   subroutine solve_all(damped, self)
       logical, intent(in) :: damped              !! rows of dampers have forces, too
       type(compliant_t), intent(inout) :: self
 
-      real(wp) :: with
-      integer :: b, at, i, k, n, from, c
+      integer :: i
 
-      with = merge(1.0_wp, 0.0_wp, damped)
-      associate (x => self%factor%x)
+      associate (x => self%factor%x, column => self%pattern%column)
          do i = 1, size(self%hub)
-            x(:, self%pattern%column(self%body(self%hub(i)))) = 0.0_wp
-            x(:, self%pattern%column(self%body(self%hub(i)) + 1)) = 0.0_wp
-         end do
-         do b = 1, size(model%batch)
-            if (.not. self%rowed(b)) cycle
-            do at = 1, size(self%joint(b)%block)
-               from = model%batch(b)%first + BLOCK*(at - 1)
-               n = min(BLOCK, model%batch(b)%first + model%batch(b)%n - from)
-               associate (rows => self%joint(b)%block(at))
-                  do k = 0, self%last(b) - 3, 3
-                     do i = 1, n
-                        c = self%pattern%column(self%node(from + i) + k/3)
-                        x(1, c) = rows%r(i, k + 1)*rows%soft(i, k + 1)
-                        x(2, c) = rows%r(i, k + 2)*rows%soft(i, k + 2)
-                        x(3, c) = rows%r(i, k + 3)*rows%soft(i, k + 3)
-                     end do
-                  end do
-               end associate
-            end do
-         end do
-         call solve(self%pattern, self%factor)
-         if (.not. damped) call take_out(self, size(self%damper))
-         do b = 1, size(model%batch)
-            if (.not. self%rowed(b)) cycle
-            do at = 1, size(self%joint(b)%block)
-               from = model%batch(b)%first + BLOCK*(at - 1)
-               n = min(BLOCK, model%batch(b)%first + model%batch(b)%n - from)
-               associate (rows => self%joint(b)%block(at))
-                  do k = 0, self%last(b) - 3, 3
-                     do i = 1, n
-                        c = self%pattern%column(self%node(from + i) + k/3)
-                        rows%r(i, k + 1) = x(1, c)
-                        rows%r(i, k + 2) = x(2, c)
-                        rows%r(i, k + 3) = x(3, c)
-                     end do
-                  end do
-                  do k = 1, self%last(b)
-                     !$omp simd
-                     do i = 1, n
-                        rows%r(i, k) = merge(rows%r(i, k), 0.0_wp, &
-                           rows%weight(i, k) + with*rows%damp(i, k) > 0.0_wp)
-                     end do
-                  end do
-               end associate
-            end do
+            x(:, column(self%body(self%hub(i)))) = 0.0_wp
+            x(:, column(self%body(self%hub(i)) + 1)) = 0.0_wp
          end do
       end associate
-   end subroutine solve_rows
+      call solve(self%pattern, self%factor)
+      if (.not. damped) call take_out(self, size(self%damper))
+   end subroutine solve_all
 
    !> self%y, self%turn: what a solution moves the leads, M^-1 B^T f, B of the pose that is tried
-   subroutine moves_of_rows(model, self)
+   subroutine moves_of_rows(model, ij, self)
       type(consistent_model_t), intent(in) :: model
+      real(wp), contiguous, intent(in) :: ij(:, :)   !! of the leads, of that pose
       type(compliant_t), intent(inout) :: self
 
       real(wp) :: w(BLOCK, N_CONSISTENT_WRENCH)
@@ -453,7 +526,7 @@ contains
          end do
       end do
       do i = 1, model%n_lead
-         associate (j => self%share(i)*self%ij(i, :), c => self%pattern%column)
+         associate (j => self%share(i)*ij(i, :), c => self%pattern%column)
             if (self%body(i) > 0) then
                self%y(i, :) = self%factor%x(1:3, c(self%body(i)))
                self%turn(i, :) = self%factor%x(1:3, c(self%body(i) + 1))
@@ -468,7 +541,8 @@ contains
 
    !> Wrench of the forces f of the rows up to `last`, 3 or 6
    pure subroutine wrench_of_rows(n, last, f, b, wrench)
-      integer, intent(in) :: n, last
+      integer, value :: n
+      integer, intent(in) :: last
       real(wp), intent(in) :: f(BLOCK, 6)
       type(matrix_t), intent(in) :: b
       real(wp), intent(out) :: wrench(BLOCK, N_CONSISTENT_WRENCH)
@@ -483,7 +557,8 @@ contains
    !> Add the wrenches of n joints of a batch from `from` on to forces and moments of the leads
    pure subroutine add_wrenches(batch, from, n, wrench, f, t)
       type(joint_batch_t), intent(in) :: batch
-      integer, intent(in) :: from, n
+      integer, intent(in) :: from
+      integer, value :: n
       real(wp), intent(in) :: wrench(BLOCK, N_CONSISTENT_WRENCH)
       real(wp), contiguous, intent(inout) :: f(:, :), t(:, :)   !! (n_lead, 3)
 

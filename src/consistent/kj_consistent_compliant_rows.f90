@@ -5,11 +5,13 @@ module kj_consistent_compliant_rows
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_joint_types, only: NDOF
+   use kj_consistent_batch, only: matrix_t
    use kj_consistent_compliant_types, only: compliant_block_t
    implicit none
    private
 
-   public :: bound_stiffness, weigh_rows, extrapolate, residual, find_change, velocity_side
+   public :: bound_stiffness, weigh_rows, extrapolate, correct, residual, &
+      find_change, velocity_side, count_work, take_power, take_block
 
 contains
 
@@ -81,6 +83,24 @@ contains
       end do
    end subroutine extrapolate
 
+   !> f := f + part r
+   pure subroutine correct(n, last, part, rows)
+      integer, value :: n
+      integer, intent(in) :: last
+      real(wp), intent(in) :: part
+      type(compliant_block_t), intent(inout) :: rows
+
+      integer :: i, k
+
+      do k = 1, last
+         !$omp simd
+         do i = 1, n
+            rows%f(i, k) = rows%f(i, k) + part*rows%r(i, k)
+            rows%asked(i, k) = rows%r(i, k)
+         end do
+      end do
+   end subroutine correct
+
    !> r = q - phi q(n) - kappa f, the largest of translations and rotations; then r/kappa, the
    !> right-hand side times the weight
    pure subroutine residual(n, last, h, before, rows, largest)
@@ -151,7 +171,8 @@ contains
    !> Right-hand side of the velocity stage times the weights:
    !> 2/h (B u + k/(h k + c) (kappa f + phi q(n)))
    pure subroutine velocity_side(n, last, h, at_rest, before, rate, rows)
-      integer, intent(in) :: n, last
+      integer, value :: n
+      integer, intent(in) :: last
       real(wp), intent(in) :: h
       logical, intent(in) :: at_rest             !! without the second part
       real(wp), intent(in) :: before(BLOCK, 6)
@@ -171,5 +192,65 @@ contains
          end do
       end do
    end subroutine velocity_side
+
+   !> Work of a step on implicit rows: 1/2 (f + g) (q - q(n)); elastic energy 1/2 k q^2 with the q
+   !> that f stands for; the rest is lost
+   pure subroutine count_work(n, last, before, rows, elastic, dissipated)
+      integer, value :: n
+      integer, intent(in) :: last
+      real(wp), intent(in) :: before(BLOCK, 6)
+      type(compliant_block_t), intent(inout) :: rows
+      real(wp), intent(inout) :: elastic(BLOCK), dissipated(BLOCK)
+
+      real(wp) :: work(BLOCK), stored(BLOCK), strain
+      integer :: i, k
+
+      work(:n) = 0.0_wp
+      stored(:n) = 0.0_wp
+      do k = 1, last
+         !$omp simd private(strain)
+         do i = 1, n
+            strain = rows%kappa(i, k)*rows%f(i, k) + rows%phi(i, k)*(before(i, k) - rows%q0(i, k))
+            stored(i) = stored(i) + 0.5_wp*rows%most(i, k)*strain**2
+            work(i) = work(i) + merge(0.5_wp*(rows%f(i, k) + rows%g(i, k))* &
+               (rows%q(i, k) - before(i, k)), 0.0_wp, rows%weight(i, k) > 0.0_wp)
+         end do
+      end do
+      do i = 1, n
+         elastic(i) = elastic(i) + (stored(i) - rows%elastic(i))
+         dissipated(i) = dissipated(i) + (work(i) - (stored(i) - rows%elastic(i)))
+         rows%elastic(i) = stored(i)
+      end do
+   end subroutine count_work
+
+   !> Half a step of the power of dampers of explicit rows
+   pure subroutine take_power(n, h, explicit, f, rate, dissipated)
+      integer, value :: n
+      real(wp), intent(in) :: h
+      logical, intent(in) :: explicit(NDOF)
+      real(wp), intent(in) :: f(BLOCK, 6), rate(BLOCK, 6)
+      real(wp), intent(inout) :: dissipated(BLOCK)
+
+      integer :: k
+
+      do k = 1, NDOF
+         if (explicit(k)) dissipated(:n) = dissipated(:n) + 0.5_wp*h*f(:n, k)*rate(:n, k)
+      end do
+   end subroutine take_power
+
+   !> Coordinates and B of the pose that was tried become those of the joints
+   pure subroutine take_block(n, from_q, from_b, q, b)
+      integer, value :: n
+      real(wp), intent(in) :: from_q(BLOCK, 6)
+      type(matrix_t), intent(in) :: from_b
+      real(wp), intent(inout) :: q(BLOCK, 6)
+      type(matrix_t), intent(inout) :: b
+
+      q(:n, :) = from_q(:n, :)
+      b%force(:n, :) = from_b%force(:n, :)
+      b%couple(:n, :) = from_b%couple(:n, :)
+      b%turn(:n, :) = from_b%turn(:n, :)
+      b%apart(:n, :) = from_b%apart(:n, :)
+   end subroutine take_block
 
 end module kj_consistent_compliant_rows

@@ -15,10 +15,10 @@ module kj_consistent_compliant_start
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes
    use kj_consistent_compliant_types, only: compliant_t
-   use kj_consistent_compliant_matrix, only: assemble, solve_rows
-   use kj_consistent_compliant_forces, only: see_joints, spring_forces, damper_rows, put_forces, &
-      renew_locks, ALL_DOFS
-   use kj_consistent_compliant_step, only: prepare, put_locks, velocity_sides, velocity_forces
+   use kj_consistent_compliant_matrix, only: assemble, solve_all
+   use kj_consistent_compliant_forces, only: spring_forces, damper_rows, renew_locks, ALL_DOFS
+   use kj_consistent_compliant_pass, only: pass_t, over_joints, see_joints, ASK, GIVE
+   use kj_consistent_compliant_step, only: prepare, put_locks
    implicit none
    private
 
@@ -35,6 +35,7 @@ contains
       real(wp), intent(in) :: h                  !! of the first step
       type(consistent_state_t), intent(inout) :: state
 
+      type(pass_t) :: pass
       real(wp) :: mean(size(model%motion)), final(size(model%motion)), before, work
       logical :: active(size(model%motion)), good, changed
 
@@ -54,11 +55,12 @@ contains
       state%t = 0.0_wp
       call look_leads(model, NO_STEP, 1, model%n_lead, state)
       associate (self => state%compliant)
-         call velocity_sides(model, h, state, self, .true.)
          call assemble(model, state, active, .true., self, good)
-         call solve_rows(model, .true., self)
-         call velocity_forces(model, self)
-         call put_forces(model, .false., self, state)
+         pass = pass_t(ASK, h=h, at_rest=.true.)
+         call over_joints(model, pass, state, self)
+         call solve_all(.true., self)
+         pass%what = GIVE
+         call over_joints(model, pass, state, self)
          call kick(model%n_lead, 1, model, spread(h, 1, model%n_lead), state)
          call project_all(model, final, active, WHOLE, state)
          state%work = work
@@ -78,6 +80,7 @@ contains
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
+      type(pass_t) :: pass
       logical :: any_rest
       integer :: b, at, k
 
@@ -94,7 +97,8 @@ contains
       call look_leads(model, NO_STEP, 1, model%n_lead, state)
       associate (self => state%compliant)
          call damper_rows(model, 1.0_wp, state, self, any_rest)
-         call velocity_sides(model, 1.0_wp, state, self, .false.)
+         pass = pass_t(ASK, h=1.0_wp)
+         call over_joints(model, pass, state, self)
          do b = 1, size(model%batch)
             do at = 1, size(self%joint(b)%block)
                associate (lanes => state%joint(b)%block(at), rows => self%joint(b)%block(at))

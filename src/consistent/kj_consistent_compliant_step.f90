@@ -6,7 +6,6 @@
 module kj_consistent_compliant_step
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
-   use kj_consistent_matrix, only: rates
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias, spin_velocity
@@ -16,17 +15,17 @@ module kj_consistent_compliant_step
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes, reach_motions
    use kj_consistent_compliant_types, only: compliant_t
-   use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate, residual, &
-      find_change, velocity_side
-   use kj_consistent_compliant_matrix, only: assemble, solve_rows, ROWS_IN_USE
-   use kj_consistent_compliant_forces, only: see_joints, spring_forces, damper_rows, add_rests, &
-      put_forces, close_rows, renew_locks, ALL_DOFS
+   use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate
+   use kj_consistent_compliant_matrix, only: assemble, solve_all
+   use kj_consistent_compliant_forces, only: spring_forces, damper_rows, add_rests, &
+      renew_locks, ALL_DOFS
+   use kj_consistent_compliant_pass, only: pass_t, over_joints, close_rows, PUSH, SEE, TAKE, &
+      ASK, GIVE
    use kj_consistent_compliant_undo, only: keep_leads, restore_leads, keep_rest
    implicit none
    private
 
-   public :: compliant_step, look_ahead, prepare, put_locks, velocity_sides, &
-      velocity_forces, find_worst
+   public :: compliant_step, look_ahead, prepare, put_locks, find_worst
 
    !> with the Kn of the deck, and with infinite ones
    integer, parameter :: MOST_PASSES(2) = [8, 12]
@@ -109,27 +108,31 @@ contains
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
-      real(wp) :: left(2), last, change(2), force(2), scale, before, part
+      type(pass_t) :: push_joints, see_joints, take_solution
+      real(wp) :: last, change, force, scale, before
       logical :: settled, close_by
       integer :: pass, kind
 
       call keep_leads(state)
       state%poses%h = h
-      associate (self => state%compliant)
+      push_joints%what = PUSH
+      see_joints%what = SEE
+      see_joints%h = h
+      take_solution%what = TAKE
+      associate (self => state%compliant, left => see_joints%most, part => push_joints%part)
          call prepare(model, h, state%active, state, self, good)
          if (.not. good) return
          settled = self%known == state%cycle .and. abs(h - self%h_known) <= 0.0_wp
          last = huge(last)
          before = huge(before)
-         part = 1.0_wp
          scale = max(self%size, tiny(scale))
          kind = merge(2, 1, self%rigid)
          do pass = 0, MOST_PASSES(kind)
             if (pass > 0) call restore_leads(state)
-            call put_forces(model, .true., self, state)
+            push_joints%again = pass > 0
+            call over_joints(model, push_joints, state, self)
             call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
-            call see_joints(model, state, self)
-            call find_residual(model, h, state, self, left)
+            call over_joints(model, see_joints, state, self)
             good = left(1) <= CLOSE*self%e_way + ROUNDING*scale .and. &
                left(2) <= CLOSE*self%e_turn + ROUNDING
             self%passes = pass
@@ -139,21 +142,22 @@ contains
             if (pass == MOST_PASSES(kind) .or. &
                .not. max(left(1)/scale, left(2)) <= GROWTH(kind)*last) exit
             last = max(left(1)/scale, left(2))
-            call solve_rows(model, .false., self)
-            call find_changes(model, self, change, force)
-            force(1) = max(force(1), force(2)/scale)
-            settled = change(1) <= CLOSE*force(1) + LAST_BITS*scale*self%stiffest(1) .and. &
-               change(2) <= scale*CLOSE*force(1) + LAST_BITS*self%stiffest(2)
+            call solve_all(.false., self)
+            call over_joints(model, take_solution, state, self)
+            associate (largest => take_solution%most)
+               force = max(take_solution%force(1), take_solution%force(2)/scale)
+               settled = largest(1) <= CLOSE*force + LAST_BITS*scale*self%stiffest(1) .and. &
+                  largest(2) <= scale*CLOSE*force + LAST_BITS*self%stiffest(2)
+               change = max(largest(1), largest(2)/scale)
+            end associate
             good = close_by .and. settled        ! what would change is too little for a new pose
             if (good) return
-            change(1) = max(change(1), change(2)/scale)
-            if (self%rigid .and. change(1) > SLOW*before) then
+            if (self%rigid .and. change > SLOW*before) then
                part = part*relaxation(model, self)
             else
                part = 1.0_wp
             end if
-            before = change(1)
-            call correct_all(model, part, self)
+            before = change
          end do
          call find_worst(model, self)
       end associate
@@ -174,7 +178,8 @@ contains
 
       look = self%renewed >= RENEW .or. self%jump == 0
       anew = look .or. abs(h - self%h_factor) > 0.0_wp
-      if (anew) call inverse_inertias(model, state%poses%quat, 1, model%n_lead, state%poses%ij)
+      if (anew .or. .not. self%factored) call inverse_inertias(model, state%poses%quat, 1, &
+         model%n_lead, state%poses%ij)
       if (anew) self%stiffest = 0.0_wp
       guess = [1.0_wp, 0.0_wp, 0.0_wp]
       if (self%jump >= 2) guess(:2) = [1.0_wp + h/self%h_last, -h/self%h_last]
@@ -224,44 +229,6 @@ contains
       longest_step = max(h, longest - FORGET*h)
    end function longest_step
 
-   subroutine find_residual(model, h, state, self, largest)
-      type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
-      type(consistent_state_t), intent(in) :: state
-      type(compliant_t), intent(inout) :: self
-      real(wp), intent(out) :: largest(2)        !! of translations, rotations
-
-      integer :: b, at
-
-      largest = 0.0_wp
-      do b = 1, size(model%batch)
-         if (.not. self%rowed(b)) cycle
-         do at = 1, size(self%joint(b)%block)
-            call residual(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), h, &
-               state%joint(b)%block(at)%q, self%joint(b)%block(at), largest)
-         end do
-      end do
-   end subroutine find_residual
-
-   !> The largest change rows%r of f and the largest force, translations and rotations
-   subroutine find_changes(model, self, change, force)
-      type(consistent_model_t), intent(in) :: model
-      type(compliant_t), intent(in) :: self
-      real(wp), intent(out) :: change(2), force(2)
-
-      integer :: b, at
-
-      change = 0.0_wp
-      force = 0.0_wp
-      do b = 1, size(model%batch)
-         if (.not. self%rowed(b)) cycle
-         do at = 1, size(self%joint(b)%block)
-            call find_change(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), &
-               self%joint(b)%block(at), change, force)
-         end do
-      end do
-   end subroutine find_changes
-
    !> Part of the last part of a change that is made, by Aitken: where a step leads through a
    !> singular position a change of f acts against what the matrix says
    pure real(wp) function relaxation(model, self) result(part)
@@ -288,31 +255,6 @@ contains
       part = 1.0_wp
       if (square > 0.0_wp) part = along/square
    end function relaxation
-
-   !> f := f + part r
-   pure subroutine correct_all(model, part, self)
-      type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: part
-      type(compliant_t), intent(inout) :: self
-
-      integer :: b, at, n, i, k
-
-      do b = 1, size(model%batch)
-         if (.not. self%rowed(b)) cycle
-         do at = 1, size(self%joint(b)%block)
-            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
-            associate (rows => self%joint(b)%block(at))
-               do k = 1, self%last(b)
-                  !$omp simd
-                  do i = 1, n
-                     rows%f(i, k) = rows%f(i, k) + part*rows%r(i, k)
-                     rows%asked(i, k) = rows%r(i, k)
-                  end do
-               end do
-            end associate
-         end do
-      end do
-   end subroutine correct_all
 
    !> The joint with the largest force that is left over, after a step with the largest that it has
    subroutine find_worst(model, self)
@@ -348,6 +290,7 @@ contains
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
+      type(pass_t) :: pass
       logical :: any_rest
 
       state%compliant%f(:, :) = state%f
@@ -363,12 +306,14 @@ contains
                state%t(:, :) = self%t
             end if
          end if
-         call velocity_sides(model, h, state, self, .false.)
          call assemble(model, state, state%active, .true., self, good)
          self%factored = .not. self%apart
-         call solve_rows(model, .true., self)
-         call velocity_forces(model, self)
-         call put_forces(model, .false., self, state)
+         pass%what = ASK
+         pass%h = h
+         call over_joints(model, pass, state, self)
+         call solve_all(.true., self)
+         pass%what = GIVE
+         call over_joints(model, pass, state, self)
          call kick_leads(model, state%poses%h, 1, model%n_lead, state)
          call count_work(SECOND_HALF, state)
          state%f(:, :) = self%f
@@ -376,48 +321,6 @@ contains
          call estimate_error(model, h, state, self)
       end associate
    end subroutine velocity_stage
-
-   !> Right-hand sides of the velocity stage, for the velocities of the poses
-   subroutine velocity_sides(model, h, state, self, at_rest)
-      type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h
-      type(consistent_state_t), intent(in) :: state
-      type(compliant_t), intent(inout) :: self
-      logical, intent(in) :: at_rest             !! without forces of implicit rows
-
-      real(wp) :: rate(BLOCK, 6)
-      integer :: b, at, from, n
-
-      do b = 1, size(model%batch)
-         if (.not. self%rowed(b)) cycle
-         do at = 1, size(self%joint(b)%block)
-            from = BLOCK*(at - 1) + 1
-            n = min(BLOCK, model%batch(b)%n - from + 1)
-            call rates(model%batch(b), ROWS_IN_USE(:, self%last(b)/3), state%poses%v, &
-               state%poses%w, from, n, self%joint(b)%block(at)%b, rate)
-            call velocity_side(n, self%last(b), h, at_rest, state%joint(b)%block(at)%q, rate, &
-               self%joint(b)%block(at))
-         end do
-      end do
-   end subroutine velocity_sides
-
-   !> Multipliers of the velocity stage from its solution, and the rest of the dampers
-   pure subroutine velocity_forces(model, self)
-      type(consistent_model_t), intent(in) :: model
-      type(compliant_t), intent(inout) :: self
-
-      integer :: b, at, n
-
-      do b = 1, size(model%batch)
-         if (.not. self%rowed(b)) cycle
-         do at = 1, size(self%joint(b)%block)
-            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
-            associate (rows => self%joint(b)%block(at), last => self%last(b))
-               rows%g(:n, :last) = rows%r(:n, :last) + rows%rest(:n, :last)
-            end associate
-         end do
-      end do
-   end subroutine velocity_forces
 
    !> h/6 |v1 - 2 v+ + v(n)|, and h/6 |J^-1 (L1 - L+) - J(n)^-1 (L+ - L(n))|; the largest of the
    !> bodies. Each change of L with the inertia of its own pose: a thin rod turns L away from

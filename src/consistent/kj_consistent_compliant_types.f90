@@ -135,7 +135,6 @@ module kj_consistent_compliant_types
       integer, allocatable :: body(:)            !! (n_lead) node of the velocity of these, 0 = none
       !> (n_lead) of the other leads: inverse mass, and what makes one of poses%ij; 0 for these
       real(wp), allocatable :: im(:), share(:)
-      real(wp), allocatable :: ij(:, :)          !! (n_lead, 6) as poses%ij
       type(leads_then_t) :: start
       type(then_t) :: then
       real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities

@@ -7,7 +7,8 @@ module kj_consistent_compliant_undo
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_step, only: place_nodes
    use kj_consistent_compliant_types, only: compliant_joint_t
-   use kj_consistent_compliant_forces, only: see_joints, take_coordinates
+   use kj_consistent_compliant_forces, only: take_coordinates
+   use kj_consistent_compliant_pass, only: see_joints
    implicit none
    private
 

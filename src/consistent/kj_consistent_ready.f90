@@ -16,7 +16,8 @@ module kj_consistent_ready
    use kj_consistent_compliant_start, only: start_velocities
    use kj_consistent_compliant_step, only: look_ahead
    use kj_consistent_compliant_matrix, only: solve_rows, moves_of_rows
-   use kj_consistent_compliant_forces, only: see_joints, ALL_DOFS
+   use kj_consistent_compliant_forces, only: ALL_DOFS
+   use kj_consistent_compliant_pass, only: see_joints
    implicit none
    private
 
@@ -236,8 +237,8 @@ contains
                end associate
             end do
          end do
-         call solve_rows(model, .false., self)
-         call moves_of_rows(model, self)
+         call solve_rows(model, self)
+         call moves_of_rows(model, state%poses%ij, self)
          good = count(abs(self%y) <= FAR*self%size) == size(self%y) .and. &
             count(abs(self%turn) <= FAR) == size(self%turn)
          if (.not. good) return
