@@ -7,7 +7,7 @@ module kj_consistent_compliant_march
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound, has_moved
    use kj_consistent_compliant_types, only: compliant_t
-   use kj_consistent_compliant_step, only: compliant_step, find_worst
+   use kj_consistent_compliant_step, only: compliant_step, find_worst, LEAST_STEP
    use kj_consistent_compliant_build, only: new_compliant
    use kj_consistent_compliant_start, only: start_velocities
    use kj_consistent_compliant_forces, only: locks_turn
@@ -21,6 +21,8 @@ module kj_consistent_compliant_march
    integer, parameter :: LOOK = 4                !! steps between two looks at the error
    integer, parameter :: MOST_HALVINGS = 6
    integer, parameter :: MOST_TRIES = 12
+   integer, parameter :: FIRST_TRIES = 60        !! of the first steps: half a step each
+   real(wp), parameter :: ROUNDING = 1.0e-12_wp  !! error that no shorter step makes less
    integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
    real(wp), parameter :: TOO_LARGE = 4.0_wp     !! error of a step over the allowed: taken back
    real(wp), parameter :: LEAST_PART = 0.25_wp   !! of the error of a mean step: may always be
@@ -92,7 +94,7 @@ contains
       call take_limit(model, state, self)
       self%h = min(self%limit, self%first, self%span)
       if (model%control%sample > 0.0_wp) self%h = min(self%h, model%control%sample)
-      call start_velocities(model, self%h, state)
+      call start_velocities(model, max(self%h, LEAST_STEP), state)
       if (state%cycle > 0) then
          state%compliant%loss = loss
          state%compliant%kinetic = kinetic
@@ -116,7 +118,7 @@ contains
       logical :: good
       integer :: try, i
 
-      do try = 0, MOST_HALVINGS
+      do try = 1, FIRST_TRIES
          h = min(self%limit, self%first, (next_target(state%time + self%span, state%time, self) - &
             state%time)/(FREE_STEPS + 1))
          if (model%control%sample > 0.0_wp) h = min(h, model%control%sample)
@@ -127,7 +129,7 @@ contains
             if (.not. good) exit
          end do
          change = 0.5_wp
-         if (good) change = 0.9_wp*sqrt(self%tolerance/self%span*h/ &
+         if (good) change = 0.9_wp*sqrt(allowed_error(state, h, self)/ &
             max(error_of(copy%compliant), tiny(h)))
          if (change > 0.9_wp) return
          self%h_error = change*h
@@ -351,7 +353,7 @@ contains
       real(wp), intent(in) :: h
       type(pace_t), intent(in) :: self
 
-      e = self%tolerance/self%span*max(h, LEAST_PART*state%time/max(1, state%cycle))
+      e = max(ROUNDING, self%tolerance/self%span*max(h, LEAST_PART*state%time/max(1, state%cycle)))
    end function allowed_error
 
    !> Estimated error of the last step, of the size of the scene or in rad

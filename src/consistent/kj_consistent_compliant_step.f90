@@ -36,6 +36,7 @@ module kj_consistent_compliant_step
    real(wp), parameter :: FORGET = 0.5_wp        !! of a step, by which a longer one is forgotten
    real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step, and of the forces
    real(wp), parameter :: LAST_BITS = 16.0_wp*epsilon(1.0_wp)   !! of coordinates: noise of forces
+   real(wp), parameter, public :: LEAST_STEP = 1.0e-100_wp   !! whose square is a number
    real(wp), parameter :: ROUNDING = 1.0e-12_wp  !! of the size of the scene, of a turn
 
 contains
@@ -115,6 +116,8 @@ contains
 
       call keep_leads(state)
       state%poses%h = h
+      good = h > LEAST_STEP
+      if (.not. good) return
       push_joints%what = PUSH
       see_joints%what = SEE
       see_joints%h = h

@@ -354,6 +354,11 @@ class Mechanisms(unittest.TestCase):
         self.assertIn("does not converge", run.text)
         self.assertTrue(run.finite())
 
+    def test_tolerances_beyond_rounding_do_not_crawl(self):
+        """What the position stage leaves is noise in the error of a step: it took steps of 1e-11 s"""
+        for kn in (INF, ()):
+            self.assertLess(scene(scenes.bricard(), 0.01, 0.01, *kn, "--error", 1e-12).cycles, 2000)
+
     def test_joints_that_give_energy_end_with_an_error(self):
         """Masses of 2e7 and 0.2 kg by turns are beyond what the bound on K leaves of a rigid joint: links gained 300 times
         the energy of the fall, in silence"""
