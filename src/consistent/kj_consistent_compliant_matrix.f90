@@ -433,9 +433,9 @@ contains
    pure subroutine put_side(n, last, node, column, rows, x)
       integer, value :: n
       integer, intent(in) :: last, node
-      integer, contiguous, intent(in) :: column(:)
+      integer, intent(in) :: column(*)
       type(compliant_block_t), intent(in) :: rows
-      real(wp), contiguous, intent(inout) :: x(:, :)
+      real(wp), intent(inout) :: x(4, *)
 
       integer :: i, c
 
@@ -459,8 +459,8 @@ contains
       integer, value :: n
       integer, intent(in) :: last, node
       logical, intent(in) :: damped              !! rows of dampers have forces, too
-      integer, contiguous, intent(in) :: column(:)
-      real(wp), contiguous, intent(in) :: x(:, :)
+      integer, intent(in) :: column(*)
+      real(wp), intent(in) :: x(4, *)
       type(compliant_block_t), intent(inout) :: rows
 
       real(wp) :: with

@@ -11,8 +11,8 @@ module kj_consistent_compliant_pass
    use kj_consistent_springs, only: coordinates
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_compliant_types, only: compliant_t, compliant_block_t, leads_then_t
-   use kj_consistent_compliant_rows, only: correct, residual, find_change, velocity_side, &
-      count_work, take_power, take_block
+   use kj_consistent_compliant_rows, only: extrapolate, correct, residual, find_change, &
+      velocity_side, count_work, take_power, take_block
    use kj_consistent_compliant_matrix, only: add_wrenches, wrench_of_rows, put_side, &
       take_solution, rows_at, ROWS_IN_USE
    implicit none
@@ -22,7 +22,7 @@ module kj_consistent_compliant_pass
 
    !> Coordinates and B of the present pose, as tried ones
    integer, parameter, public :: LOOK = 1
-   !> Position stage: forces of multipliers f, changed by a part of r before (again), on the leads;
+   !> Position stage: forces of multipliers f, guessed or changed by a part of r, on the leads;
    !> coordinates and B as LOOK, and the right-hand side; its solution r
    integer, parameter, public :: PUSH = 2, SEE = 3, TAKE = 4
    !> Velocity stage: the right-hand side for the velocities of the poses; multipliers g from its
@@ -38,8 +38,10 @@ module kj_consistent_compliant_pass
    type :: pass_t
       integer :: what = LOOK
       real(wp) :: h = 0.0_wp                     !! step
-      logical :: again = .false.
+      logical :: guessed = .false., changed = .false.   !! f
+      real(wp) :: guess(3) = 0.0_wp              !! weights of the last f, the last first
       real(wp) :: part = 1.0_wp                  !! of r
+      logical :: first = .false.                 !! without rotations that are no rows
       logical :: at_rest = .false.               !! without forces of implicit rows
       real(wp) :: most(2) = 0.0_wp               !! SEE: residual, TAKE: change of f
       real(wp) :: force(2) = 0.0_wp              !! TAKE: f after it
@@ -125,31 +127,38 @@ contains
             case (1)
                call over(1, pass, batch, from, self%last(b), self%rowed(b), self%damped(b), &
                   self%explicit(:, b), self%node(first + from), self%pattern%column, self%start, &
-                  state%poses, lanes, rows, self%factor%x, state%f, state%t, most, force)
+                  state%poses, lanes, rows, self%factor%x, model%n_lead, state%f, state%t, most, &
+                  force)
             case (2)
                call over(2, pass, batch, from, self%last(b), self%rowed(b), self%damped(b), &
                   self%explicit(:, b), self%node(first + from), self%pattern%column, self%start, &
-                  state%poses, lanes, rows, self%factor%x, state%f, state%t, most, force)
+                  state%poses, lanes, rows, self%factor%x, model%n_lead, state%f, state%t, most, &
+                  force)
             case (3)
                call over(3, pass, batch, from, self%last(b), self%rowed(b), self%damped(b), &
                   self%explicit(:, b), self%node(first + from), self%pattern%column, self%start, &
-                  state%poses, lanes, rows, self%factor%x, state%f, state%t, most, force)
+                  state%poses, lanes, rows, self%factor%x, model%n_lead, state%f, state%t, most, &
+                  force)
             case (4)
                call over(4, pass, batch, from, self%last(b), self%rowed(b), self%damped(b), &
                   self%explicit(:, b), self%node(first + from), self%pattern%column, self%start, &
-                  state%poses, lanes, rows, self%factor%x, state%f, state%t, most, force)
+                  state%poses, lanes, rows, self%factor%x, model%n_lead, state%f, state%t, most, &
+                  force)
             case (8)
                call over(8, pass, batch, from, self%last(b), self%rowed(b), self%damped(b), &
                   self%explicit(:, b), self%node(first + from), self%pattern%column, self%start, &
-                  state%poses, lanes, rows, self%factor%x, state%f, state%t, most, force)
+                  state%poses, lanes, rows, self%factor%x, model%n_lead, state%f, state%t, most, &
+                  force)
             case (BLOCK)
                call over(BLOCK, pass, batch, from, self%last(b), self%rowed(b), self%damped(b), &
                   self%explicit(:, b), self%node(first + from), self%pattern%column, self%start, &
-                  state%poses, lanes, rows, self%factor%x, state%f, state%t, most, force)
+                  state%poses, lanes, rows, self%factor%x, model%n_lead, state%f, state%t, most, &
+                  force)
             case default
                call over(n, pass, batch, from, self%last(b), self%rowed(b), self%damped(b), &
                   self%explicit(:, b), self%node(first + from), self%pattern%column, self%start, &
-                  state%poses, lanes, rows, self%factor%x, state%f, state%t, most, force)
+                  state%poses, lanes, rows, self%factor%x, model%n_lead, state%f, state%t, most, &
+                  force)
             end select
             from = from + n
          end do
@@ -158,28 +167,31 @@ contains
 
    !> The same for n joints of a block. Nodes of the joints of a batch follow each other.
    subroutine over(n, pass, batch, from, last, rowed, damped, explicit, node, column, start, &
-      poses, lanes, rows, x, f, t, most, force)
+      poses, lanes, rows, x, n_lead, f, t, most, force)
       integer, value :: n
       type(pass_t), intent(in) :: pass
       type(joint_batch_t), intent(in) :: batch
       integer, intent(in) :: from, last          !! first joint, last row
       logical, intent(in) :: rowed, damped, explicit(6)
       integer, intent(in) :: node                !! of translations of the first joint
-      integer, contiguous, intent(in) :: column(:)
+      integer, intent(in) :: column(*), n_lead
       type(leads_then_t), intent(in) :: start
       type(poses_t), intent(in) :: poses
       type(consistent_block_t), intent(inout) :: lanes
       type(compliant_block_t), intent(inout) :: rows
-      real(wp), contiguous, intent(inout) :: x(:, :)         !! right-hand side and solution
-      real(wp), contiguous, intent(inout) :: f(:, :), t(:, :)
+      real(wp), intent(inout) :: x(4, *)         !! right-hand side and solution
+      real(wp), intent(inout) :: f(n_lead, 3), t(n_lead, 3)
       real(wp), intent(inout) :: most(2), force(2)
 
       real(wp) :: y(BLOCK, 6), w(BLOCK, N_CONSISTENT_WRENCH)
+      logical :: brief
       integer :: i, k
 
       select case (pass%what)
       case (LOOK, SEE)
-         call coordinates(batch, poses, from, n, lanes%q, rows%q, rows%b, rows%rot)
+         brief = pass%first .and. last == 3 .and. batch%geometry%chart == CHART_VECTOR
+         if (brief .and. batch%geometry%mean) brief = all(batch%geometry%plain(from:from + n - 1))
+         call coordinates(batch, brief, poses, from, n, lanes%q, rows%q, rows%b, rows%rot)
          if (batch%geometry%chart == CHART_VECTOR .and. batch%limited) then
             do i = 1, n                          ! locked: forces belong to the coordinates
                if (any(rows%k(i, 4:6) > 0.0_wp)) rows%b%turn(i, :) = rows%rot(i, :)
@@ -189,7 +201,8 @@ contains
          call residual(n, last, pass%h, lanes%q, rows, most)
          call put_side(n, last, node, column, rows, x)
       case (PUSH)
-         if (pass%again) call correct(n, last, pass%part, rows)
+         if (pass%guessed) call extrapolate(n, last, pass%guess, rows)
+         if (pass%changed) call correct(n, last, pass%part, rows)
          do k = 1, last
             y(:n, k) = rows%f(:n, k)
             if (explicit(k)) y(:n, k) = y(:n, k) + lanes%fd(:n, k)

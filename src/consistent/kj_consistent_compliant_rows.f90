@@ -68,7 +68,8 @@ contains
 
    !> First guess of the multipliers from those of the last three steps
    pure subroutine extrapolate(n, last, w, rows)
-      integer, intent(in) :: n, last             !! rows from 1 to this, 3 or 6
+      integer, value :: n
+      integer, intent(in) :: last                !! rows from 1 to this, 3 or 6
       real(wp), intent(in) :: w(3)               !! their weights, the last first
       type(compliant_block_t), intent(inout) :: rows
 

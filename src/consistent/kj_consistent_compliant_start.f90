@@ -36,7 +36,8 @@ contains
       type(consistent_state_t), intent(inout) :: state
 
       type(pass_t) :: pass
-      real(wp) :: mean(size(model%motion)), final(size(model%motion)), before, work
+      real(wp) :: mean(size(model%motion)), final(size(model%motion)), before, work, &
+         guess(3)
       logical :: active(size(model%motion)), good, changed
 
       work = state%work
@@ -49,7 +50,7 @@ contains
       state%final = final
       state%active = active
       call see_joints(model, state, state%compliant)
-      call prepare(model, h, active, state, state%compliant, good)
+      call prepare(model, h, active, state, state%compliant, guess, good)
       call keep_rates(model, 1, size(model%hold), state)
       state%f = 0.0_wp
       state%t = 0.0_wp

@@ -20,8 +20,8 @@ module kj_consistent_compliant_step
    use kj_consistent_compliant_forces, only: spring_forces, damper_rows, add_rests, &
       renew_locks, ALL_DOFS
    use kj_consistent_compliant_pass, only: pass_t, over_joints, close_rows, PUSH, SEE, TAKE, &
-      ASK, GIVE
-   use kj_consistent_compliant_undo, only: keep_leads, restore_leads, keep_rest
+      ASK, GIVE, look_at_joints => see_joints
+   use kj_consistent_compliant_undo, only: copy, keep_leads, restore_leads, keep_rest
    implicit none
    private
 
@@ -68,9 +68,11 @@ contains
       state%cycle = state%cycle + 1
       state%time = state%time + h
       state%poses%time = state%time
-      state%compliant%start%v_half(:, :) = state%v
-      state%compliant%start%w_half(:, :) = state%poses%w
-      state%compliant%start%l_half(:, :) = state%l
+      associate (start => state%compliant%start)
+         call copy(size(state%v), state%v, start%v_half)
+         call copy(size(state%v), state%poses%w, start%w_half)
+         call copy(size(state%l), state%l, start%l_half)
+      end associate
       call place_nodes(model, state)
       call find_gravity(model, state)
       call spring_forces(model, state, state%compliant)
@@ -123,7 +125,7 @@ contains
       see_joints%h = h
       take_solution%what = TAKE
       associate (self => state%compliant, left => see_joints%most, part => push_joints%part)
-         call prepare(model, h, state%active, state, self, good)
+         call prepare(model, h, state%active, state, self, push_joints%guess, good)
          if (.not. good) return
          settled = self%known == state%cycle .and. abs(h - self%h_known) <= 0.0_wp
          last = huge(last)
@@ -132,9 +134,11 @@ contains
          kind = merge(2, 1, self%rigid)
          do pass = 0, MOST_PASSES(kind)
             if (pass > 0) call restore_leads(state)
-            push_joints%again = pass > 0
+            push_joints%guessed = pass == 0 .and. self%known /= state%cycle
+            push_joints%changed = pass > 0
             call over_joints(model, push_joints, state, self)
             call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
+            see_joints%first = pass == 0 .and. .not. settled
             call over_joints(model, see_joints, state, self)
             good = left(1) <= CLOSE*self%e_way + ROUNDING*scale .and. &
                left(2) <= CLOSE*self%e_turn + ROUNDING
@@ -154,8 +158,9 @@ contains
                change = max(largest(1), largest(2)/scale)
             end associate
             good = close_by .and. settled        ! what would change is too little for a new pose
+            if (good .and. see_joints%first) call look_at_joints(model, state, self)
             if (good) return
-            if (self%rigid .and. change > SLOW*before) then
+            if (self%rigid .and. pass > 1 .and. change > SLOW*before) then
                part = part*relaxation(model, self)
             else
                part = 1.0_wp
@@ -166,16 +171,17 @@ contains
       end associate
    end subroutine position_stage
 
-   !> Weights of the rows and the factor for a position stage of this step, and the first guess
-   subroutine prepare(model, h, active, state, self, good)
+   !> Weights of the rows and the factor for a position stage of this step, and those of its guess
+   subroutine prepare(model, h, active, state, self, guess, good)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(inout) :: self
+      real(wp), intent(out) :: guess(3)          !! weights of the last f, the last first
       logical, intent(out) :: good
 
-      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), guess(3), ends
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ends
       integer :: b, at, from, n, i
       logical :: anew, look
 
@@ -189,29 +195,26 @@ contains
       if (self%jump >= 3 .and. self%equal >= 3 .and. .not. abs(h - self%h_last) > 0.0_wp) &
          guess = [3.0_wp, -3.0_wp, 1.0_wp]
       do b = 1, size(model%batch)
-         if (.not. self%rowed(b)) cycle
+         if (.not. (anew .and. self%rowed(b))) cycle
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
             associate (rows => self%joint(b)%block(at))
-               if (anew) then
-                  call end_inertias(model%batch(b), state%poses, from, n, im, ij1, ij2)
-                  do i = 1, n
-                     ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 1)))
-                     im(i, 1) = im(i, 1)*ends
-                     ij1(i, :) = ij1(i, :)*ends
-                     ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 2)))
-                     im(i, 2) = im(i, 2)*ends
-                     ij2(i, :) = ij2(i, :)*ends
-                  end do
-                  call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
-                  call bound_stiffness(n, longest_step(self%h_stiff, h), self%gap, self%rigid, &
-                     s, rows)
-                  call weigh_rows(n, h, self%rigid, rows)
-                  self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
-                  self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
-               end if
-               if (self%known /= state%cycle) call extrapolate(n, self%last(b), guess, rows)
+               call end_inertias(model%batch(b), state%poses, from, n, im, ij1, ij2)
+               do i = 1, n
+                  ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 1)))
+                  im(i, 1) = im(i, 1)*ends
+                  ij1(i, :) = ij1(i, :)*ends
+                  ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 2)))
+                  im(i, 2) = im(i, 2)*ends
+                  ij2(i, :) = ij2(i, :)*ends
+               end do
+               call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
+               call bound_stiffness(n, longest_step(self%h_stiff, h), self%gap, self%rigid, &
+                  s, rows)
+               call weigh_rows(n, h, self%rigid, rows)
+               self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
+               self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
             end associate
          end do
       end do
@@ -233,7 +236,8 @@ contains
    end function longest_step
 
    !> Part of the last part of a change that is made, by Aitken: where a step leads through a
-   !> singular position a change of f acts against what the matrix says
+   !> singular position a change of f acts against what the matrix says. The second change does not
+   !> tell: it takes back what redundant forces made of the pose before the first.
    pure real(wp) function relaxation(model, self) result(part)
       type(consistent_model_t), intent(in) :: model
       type(compliant_t), intent(in) :: self
@@ -296,8 +300,8 @@ contains
       type(pass_t) :: pass
       logical :: any_rest
 
-      state%compliant%f(:, :) = state%f
-      state%compliant%t(:, :) = state%t
+      call copy(size(state%f), state%f, state%compliant%f)
+      call copy(size(state%t), state%t, state%compliant%t)
       call look_leads(model, state%poses%h, 1, model%n_lead, state)
       associate (self => state%compliant)
          if (self%any_damper) then
@@ -305,8 +309,8 @@ contains
             if (any_rest) then
                call add_rests(model, state, self)
                call look_leads(model, state%poses%h, 1, model%n_lead, state)
-               state%f(:, :) = self%f
-               state%t(:, :) = self%t
+               call copy(size(self%f), self%f, state%f)
+               call copy(size(self%t), self%t, state%t)
             end if
          end if
          call assemble(model, state, state%active, .true., self, good)
@@ -319,8 +323,8 @@ contains
          call over_joints(model, pass, state, self)
          call kick_leads(model, state%poses%h, 1, model%n_lead, state)
          call count_work(SECOND_HALF, state)
-         state%f(:, :) = self%f
-         state%t(:, :) = self%t
+         call copy(size(self%f), self%f, state%f)
+         call copy(size(self%t), self%t, state%t)
          call estimate_error(model, h, state, self)
       end associate
    end subroutine velocity_stage

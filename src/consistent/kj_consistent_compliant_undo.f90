@@ -12,26 +12,40 @@ module kj_consistent_compliant_undo
    implicit none
    private
 
-   public :: keep_leads, restore_leads, keep_rest, undo_step
+   public :: copy, keep_leads, restore_leads, keep_rest, undo_step
 
 contains
+
+   !> b = a, n numbers
+   pure subroutine copy(n, a, b)
+      integer, value :: n
+      real(wp), intent(in) :: a(n)
+      real(wp), intent(inout) :: b(n)
+
+      integer :: i
+
+      !$omp simd
+      do i = 1, n
+         b(i) = a(i)
+      end do
+   end subroutine copy
 
    !> Remember the leads at the start of a step
    subroutine keep_leads(state)
       type(consistent_state_t), intent(inout) :: state
 
       associate (then => state%compliant%start)
-         then%x(:, :) = state%poses%x
-         then%d(:, :) = state%poses%d
-         then%quat(:, :) = state%poses%quat
-         then%v(:, :) = state%v
-         then%l(:, :) = state%l
-         then%f(:, :) = state%f
-         then%t(:, :) = state%t
-         then%own_f(:, :) = state%own_f
-         then%own_t(:, :) = state%own_t
-         then%impulse(:, :) = state%impulse
-         then%angular_impulse(:, :) = state%angular_impulse
+         call copy(size(then%x), state%poses%x, then%x)
+         call copy(size(then%d), state%poses%d, then%d)
+         call copy(size(then%quat), state%poses%quat, then%quat)
+         call copy(size(then%v), state%v, then%v)
+         call copy(size(then%l), state%l, then%l)
+         call copy(size(then%f), state%f, then%f)
+         call copy(size(then%t), state%t, then%t)
+         call copy(size(then%own_f), state%own_f, then%own_f)
+         call copy(size(then%own_t), state%own_t, then%own_t)
+         call copy(size(then%impulse), state%impulse, then%impulse)
+         call copy(size(then%angular_impulse), state%angular_impulse, then%angular_impulse)
       end associate
    end subroutine keep_leads
 
@@ -40,17 +54,17 @@ contains
       type(consistent_state_t), intent(inout) :: state
 
       associate (then => state%compliant%start)
-         state%poses%x(:, :) = then%x
-         state%poses%d(:, :) = then%d
-         state%poses%quat(:, :) = then%quat
-         state%v(:, :) = then%v
-         state%l(:, :) = then%l
-         state%f(:, :) = then%f
-         state%t(:, :) = then%t
-         state%own_f(:, :) = then%own_f
-         state%own_t(:, :) = then%own_t
-         state%impulse(:, :) = then%impulse
-         state%angular_impulse(:, :) = then%angular_impulse
+         call copy(size(then%x), then%x, state%poses%x)
+         call copy(size(then%d), then%d, state%poses%d)
+         call copy(size(then%quat), then%quat, state%poses%quat)
+         call copy(size(then%v), then%v, state%v)
+         call copy(size(then%l), then%l, state%l)
+         call copy(size(then%f), then%f, state%f)
+         call copy(size(then%t), then%t, state%t)
+         call copy(size(then%own_f), then%own_f, state%own_f)
+         call copy(size(then%own_t), then%own_t, state%own_t)
+         call copy(size(then%impulse), then%impulse, state%impulse)
+         call copy(size(then%angular_impulse), then%angular_impulse, state%angular_impulse)
       end associate
    end subroutine restore_leads
 

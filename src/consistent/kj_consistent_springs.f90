@@ -86,7 +86,7 @@ contains
       at = (from - 1)/BLOCK + 1
       if (batch%geometry%damped .and. poses%h(1) > 0.0_wp) &
          call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
-      call coordinates(batch, poses, from, n, state%q, q, state%b, rot)
+      call coordinates(batch, .false., poses, from, n, state%q, q, state%b, rot)
       call laws(batch, curves, poses, from, n, q, at, state, joint, f, lost)
       call keep_coordinates(n, sprung, q, f, state)
       if (batch%limited) then
@@ -189,8 +189,9 @@ contains
 
    !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
    !> not those of B (CHART_VECTOR)
-   pure subroutine coordinates(batch, poses, from, n, last, q, b, rot)
+   pure subroutine coordinates(batch, brief, poses, from, n, last, q, b, rot)
       type(joint_batch_t), intent(in) :: batch
+      logical, intent(in) :: brief                  !! plain joints: without three free rotations
       type(poses_t), intent(in) :: poses
       integer, value :: from, n
       real(wp), intent(in) :: last(BLOCK, 6)        !! last coordinates
@@ -227,8 +228,12 @@ contains
          do i = 1, n
             scalar(i) = merge(1.0_wp, 0.0_wp, batch%geometry%plain(from + i - 1))
          end do
-         call vector_chart(n, batch%geometry%mean, scalar, t1, p, r, q(:, 4:6), b%force, b%couple, &
-            rot, b%turn)
+         if (brief) then
+            if (batch%geometry%mean) call first_skew(n, t1, r, b%force, b%couple)
+         else
+            call vector_chart(n, batch%geometry%mean, scalar, t1, p, r, q(:, 4:6), b%force, &
+               b%couple, rot, b%turn)
+         end if
       case (CHART_UNIVERSAL)
          angle(:n) = batch%geometry%axis_angle(from:from + n - 1)
          call universal_chart(n, t1, t2, r, angle, q(:, 4:6), xl, e, b%force, b%couple, &
