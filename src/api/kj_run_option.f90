@@ -66,7 +66,7 @@ module kj_run_option
                    '', 'end of the run, time'), &
       run_option_t('sample',             A_REAL,     0.0_wp,     'DT',   'run check study', 'that of /TFILE', &
                    '', 'interval of the samples, time; 0: every cycle'), &
-      run_option_t('energy_limit',       A_REAL,     0.0_wp,     'PCT',  'run',             '15; compliant: 50; legacy: none', &
+      run_option_t('energy_limit',       A_REAL,     0.0_wp,     'PCT',  'run',             '15; legacy, compliant: none', &
                    '', 'largest energy error in percent, else a run ends with an error'), &
       run_option_t('kn_scale',           A_REAL,     ABOVE_ZERO, 'F',    'run',             '1', &
                    '', 'factor on the stiffness of the blocked directions of all joints'), &
@@ -347,8 +347,8 @@ contains
          if (o%kn == '') o%kn = 'deck'
          if (o%integrator == '') o%integrator = merge('legacy', 'split2', legacy)
          if (o%dt_rule == '') o%dt_rule = merge('nodal', 'safe ', legacy)
-         if (o%energy_limit < 0.0_wp .and. .not. legacy) &
-            o%energy_limit = merge(50.0_wp, 15.0_wp, o%integrator == 'compliant')
+         if (o%energy_limit < 0.0_wp .and. .not. legacy .and. o%integrator /= 'compliant') &
+            o%energy_limit = 15.0_wp
          if (legacy .neqv. o%integrator == 'legacy') then
             call fail(error, ERR_INPUT, 'the formulation '//trim(o%formulation)// &
                ' does not go with the integrator '//trim(o%integrator))

@@ -19,6 +19,8 @@ module kj_consistent_compliant_check
    !> error of positions, of the size of the scene, over (turn a step)^2: 1/60 to 1/15 in six
    !> mechanisms
    real(wp), parameter :: ERROR_OF_TURN = 1.0_wp/15.0_wp
+   real(wp), parameter :: LEAST_ERROR = 1.0e-8_wp    !! that the integrator keeps
+   real(wp), parameter :: MOST_ERROR = 1.0e-2_wp     !! beyond it no advice
    real(wp), parameter :: NONE_LEFT = 1.0e-8_wp  !! of a diagonal: the row is one of those before
 
 contains
@@ -76,14 +78,15 @@ contains
       error = 0.0_wp
       if (.not. (gap > 0.0_wp .and. turn > 0.0_wp)) return
       if (any(model%batch%limited) .or. model%n_joint > MOST_JOINTS) return
-      error = gap/max(size_of(model), tiny(gap))
+      error = max(LEAST_ERROR, gap/max(size_of(model), tiny(gap)))
+      if (error > MOST_ERROR) return
       scene = model
       call make_implicit(scene)
       call new_consistent_state(scene, state)
       call new_bound(scene, .false., state, bound)
       h = min(pace%turn, sqrt(error/ERROR_OF_TURN))/turn
       h = min(h, pace%factor*bound%h, model%control%sample)
-      steps = span/h
+      steps = max(1.0_wp, span/h)
    end subroutine compliant_steps
 
    !> Rows that depend on others: those of B M^-1/2 that Gram-Schmidt leaves nothing of
