@@ -121,12 +121,12 @@ contains
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
       type(consistent_state_t), intent(inout) :: state
-      type(compliant_t), intent(in) :: self
+      type(compliant_t), intent(inout) :: self
 
       real(wp) :: rate(BLOCK, 6, 2)
       integer :: b, at, from, n, k
 
-      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
+      call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, self%y)
       do b = 1, size(model%batch)
          if (.not. self%rowed(b)) cycle
          do at = 1, size(self%joint(b)%block)
@@ -135,7 +135,7 @@ contains
             associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
                call rates(model%batch(b), ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, &
                   rate(:, :, 1))
-               call rates(model%batch(b), ALL_DOFS, state%v, state%poses%w, from, n, rows%b, &
+               call rates(model%batch(b), ALL_DOFS, state%v, self%y, from, n, rows%b, &
                   rate(:, :, 2))
                do k = 1, NDOF
                   lanes%dissipated(:n) = lanes%dissipated(:n) + 0.5_wp*h*rows%g(:n, k)*0.5_wp* &

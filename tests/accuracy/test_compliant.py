@@ -403,11 +403,12 @@ class HundredThousandSteps(unittest.TestCase):
 class Limits(unittest.TestCase):
     """Stops, friction and locks of /PROP/KJOINT2: a block of 2 kg on a rail"""
 
-    def block(self, dof, velocity, until, *options, sensor=0, extra=(), kn=1e7):
-        prop = limits.joint(limits.TRANSLATIONAL, [dof], kn=kn, sensor=sensor)
+    def block(self, dof, velocity, until, *options, sensor=0, extra=(), kn=1e7, kind=limits.TRANSLATIONAL):
+        prop = limits.joint(kind, [dof], kn=kn, sensor=sensor)
         root = pathlib.Path(FOLDER.name) / "block"
         pathlib.Path(f"{root}_0000.rad").write_text(
-            limits.starter([limits.Body(velocity=(velocity, 0, 0))], prop, extra=extra))
+            limits.starter([limits.Body(**{
+            "velocity" if kind == limits.TRANSLATIONAL else "spin": (velocity, 0, 0)})], prop, extra=extra))
         pathlib.Path(f"{root}_0001.rad").write_text(limits.engine(until))
         return Run([f"{root}_0000.rad"], "--error", "1e-5", *options)
 
@@ -431,6 +432,13 @@ class Limits(unittest.TestCase):
         self.assertAlmostEqual(run["joint/displacement"][-1, 0, 0], 0.1, delta=1e-5)
         self.assertAlmostEqual(run["joint/dissipated_energy"][-1, 0], 1.0, delta=1e-2)
         self.assertLess(abs(run["rigid_body/velocity"][-1, -1, 0]), 1e-6)
+        self.assertLess(abs(run["energy_error"]).max(), 1e-2)
+
+    def test_a_lock_of_a_hinge(self):
+        """0.5 kg m^2 with 2 rad/s: 1 J. The loss was counted as if the hinge had stood still before"""
+        run = self.block(limits.dof(), 2.0, 0.2, sensor=3, extra=["/SENSOR/TIME/3", "lock", limits.reals(0.1)],
+                         kind=limits.REVOLUTE)
+        self.assertAlmostEqual(run["joint/dissipated_energy"][-1, 0], 1.0, delta=1e-2)
         self.assertLess(abs(run["energy_error"]).max(), 1e-2)
 
 
