@@ -8,7 +8,7 @@ module kj_consistent_compliant_step
    use kj_block, only: BLOCK
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_body, only: inverse_inertias, spin_velocity
+   use kj_consistent_body, only: inverse_inertias, spin
    use kj_consistent_leads, only: move_leads, look_leads, kick_leads
    use kj_consistent_conditions, only: count_work, FIRST_HALF, SECOND_HALF
    use kj_consistent_motion, only: motion_targets
@@ -339,31 +339,32 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(inout) :: self
 
-      real(wp), dimension(BLOCK) :: way, turn
-      real(wp) :: most(2)
+      real(wp) :: most(2), way, turn
       integer :: from, i, k, n
 
-      self%turn = state%l - self%start%l_half
-      call spin_velocity(model, state%poses%quat, self%turn, 1, model%n_lead, self%y)
-      self%turn = self%start%l_half - self%start%l
-      call spin_velocity(model, self%start%quat, self%turn, 1, model%n_lead, self%f)
       most = 0.0_wp
-      do from = 0, model%n_lead - 1, BLOCK
-         n = min(BLOCK, model%n_lead - from)
-         way(:n) = 0.0_wp
-         turn(:n) = 0.0_wp
+      do from = 1, model%n_lead, BLOCK
+         n = min(BLOCK, model%n_lead - from + 1)
          do k = 1, 3
             !$omp simd
-            do i = 1, n
-               way(i) = way(i) + (state%v(from + i, k) - 2.0_wp*self%start%v_half(from + i, k) + &
-                  self%start%v(from + i, k))**2
-               turn(i) = turn(i) + (self%y(from + i, k) - self%f(from + i, k))**2
+            do i = from, from + n - 1
+               self%turn(i, k) = state%l(i, k) - self%start%l_half(i, k)
+               self%t(i, k) = self%start%l_half(i, k) - self%start%l(i, k)
             end do
          end do
-         do i = 1, n
-            if (.not. (model%inverse_mass(from + i) > 0.0_wp .or. &
-               model%inverse_inertia(from + i, 1) > 0.0_wp)) cycle
-            most = max(most, [way(i), turn(i)])
+         call spin(n, from, model, state%poses%quat, self%turn, self%y)
+         call spin(n, from, model, self%start%quat, self%t, self%f)
+         do i = from, from + n - 1
+            if (.not. (model%inverse_mass(i) > 0.0_wp .or. &
+               model%inverse_inertia(i, 1) > 0.0_wp)) cycle
+            way = 0.0_wp
+            turn = 0.0_wp
+            do k = 1, 3
+               way = way + (state%v(i, k) - 2.0_wp*self%start%v_half(i, k) + &
+                  self%start%v(i, k))**2
+               turn = turn + (self%y(i, k) - self%f(i, k))**2
+            end do
+            most = max(most, [way, turn])
          end do
       end do
       self%e_way = h/6.0_wp*sqrt(most(1))
