@@ -70,12 +70,16 @@ contains
 
       real(wp) :: h
 
-      call print_line('step of --integrator compliant (error, samples, stops may ask for less)')
+      call print_line('step of --integrator compliant (error, stops may ask for less)')
       h = report%turn_step                       ! of a scene at rest it is beyond the end
       if (h > report%t_stop) h = huge(h)
       call print_line('   turn        '//trim(step_text(h))//'  (0.1 rad of a body)')
       call print_line('   springs     '//trim(step_text(report%spring_step)))
       h = min(h, report%spring_step)
+      if (report%samples < report%cycles) then
+         call print_line('   samples     '//trim(step_text(report%t_stop/(report%samples - 1.0_wp))))
+         h = min(h, report%t_stop/(report%samples - 1.0_wp))
+      end if
       if (h < 0.5_wp*huge(h) .and. report%stiffest > 0.0_wp) call print_line( &
          '   stiffness   w h = '//trim(number(report%stiffest*h))// &
          ' of the stiffest blocked direction')
