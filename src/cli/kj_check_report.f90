@@ -68,7 +68,7 @@ contains
    subroutine print_compliant(report)
       type(check_t), intent(in) :: report
 
-      real(wp) :: h
+      real(wp) :: h, interval
 
       call print_line('step of --integrator compliant (error, stops may ask for less)')
       h = report%turn_step                       ! of a scene at rest it is beyond the end
@@ -77,8 +77,9 @@ contains
       call print_line('   springs     '//trim(step_text(report%spring_step)))
       h = min(h, report%spring_step)
       if (report%samples < report%cycles) then
-         call print_line('   samples     '//trim(step_text(report%t_stop/(report%samples - 1.0_wp))))
-         h = min(h, report%t_stop/(report%samples - 1.0_wp))
+         interval = report%t_stop/(report%samples - 1.0_wp)
+         call print_line('   samples     '//trim(step_text(interval)))
+         h = min(h, interval)
       end if
       if (h < 0.5_wp*huge(h) .and. report%stiffest > 0.0_wp) call print_line( &
          '   stiffness   w h = '//trim(number(report%stiffest*h))// &
