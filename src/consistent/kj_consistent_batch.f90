@@ -4,15 +4,14 @@ module kj_consistent_batch
    use kj_kinds, only: wp
    use kj_math3, only: cross, unit
    use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
-   use kj_joint_batch, only: joint_batch_t, DOF_FREE, LAW_SPRING, LAW_SPRING_CURVE, LAW_DAMPER, &
-      LAW_DAMPER_CURVE, LAW_HARDENED, is_hardened
+   use kj_joint_batch, only: joint_batch_t, DOF_FREE, is_hardened
    use kj_spring_law, only: spring_block_t, WAITING, ALIVE
    use kj_block, only: BLOCK, block_of, lane_of
    implicit none
    private
 
    public :: matrix_t, consistent_block_t, limit_block_t, consistent_joint_t, &
-      new_consistent_joint, in_groups, group_at, chart_of, frame_of, sprung_dofs, damped_dofs
+      new_consistent_joint, in_groups, group_at, chart_of, frame_of, last_of
 
    !> The matrix B of q' = B u of a block of joints, as what unit forces do (kj_consistent_chart); W
    type :: matrix_t
@@ -85,21 +84,16 @@ contains
       if (batch%frame == FRAME_LINE) chart = CHART_LINE
    end function chart_of
 
-   !> The dofs of a batch that may have an elastic force
-   pure function sprung_dofs(batch) result(on)
+   !> The dofs of a batch that may have a force of some laws are among the first 0, 3 or 6
+   pure integer function last_of(batch, laws) result(last)
       type(joint_batch_t), intent(in) :: batch
+      integer, intent(in) :: laws                !! sum of LAW_ constants
+
       logical :: on(NDOF)
 
-      on = batch%limited .or. iand(batch%law, LAW_SPRING + LAW_SPRING_CURVE + LAW_HARDENED) /= 0
-   end function sprung_dofs
-
-   !> The dofs of a batch that may have a damping force
-   pure function damped_dofs(batch) result(on)
-      type(joint_batch_t), intent(in) :: batch
-      logical :: on(NDOF)
-
-      on = batch%limited .or. iand(batch%law, LAW_DAMPER + LAW_DAMPER_CURVE + LAW_HARDENED) /= 0
-   end function damped_dofs
+      on = batch%limited .or. iand(batch%law, laws) /= 0
+      last = merge(6, merge(3, 0, any(on)), any(on(4:)))
+   end function last_of
 
    !> State of the joints of a batch, all zero
    pure subroutine new_consistent_joint(batch, joint)

@@ -12,7 +12,7 @@ module kj_consistent_build
       LAW_SPRING, LAW_SPRING_CURVE, LAW_HARDENED, geometry_t
    use kj_model, only: load_t, IMPOSE_DISPLACEMENT
    use kj_skew, only: axis_of
-   use kj_consistent_batch, only: chart_of, new_consistent_joint
+   use kj_consistent_batch, only: chart_of, last_of, new_consistent_joint
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t, row_t
    use kj_consistent_conditions, only: collect_holds, all_blocked, project_all, WHOLE
@@ -53,7 +53,7 @@ contains
       end do
       call new_team(model%control%threads, model%control%least_share, model%batch%n, &
          model%n_lead, model%team)
-      model%damped = any([(model%batch(b)%geometry%damped, b=1, size(model%batch))])
+      model%damped = any([(model%batch(b)%geometry%damped > 0, b=1, size(model%batch))])
       model%steady = [(is_steady(model, model%gravity(i)), i=1, size(model%gravity))]
       model%placed = [integer ::]
       do i = 1, size(model%skews%needed)
@@ -191,8 +191,8 @@ contains
          g%chart = chart_of(batch)
          g%mean = batch%frame /= FRAME_FIRST .and. &
             (batch%kind == SPRING13 .or. .not. is_spring(batch))
-         g%damped = batch%limited .or. any(iand(batch%law, &
-            LAW_DAMPER + LAW_DAMPER_CURVE + LAW_HARDENED) /= 0)
+         g%sprung = last_of(batch, LAW_SPRING + LAW_SPRING_CURVE + LAW_HARDENED)
+         g%damped = last_of(batch, LAW_DAMPER + LAW_DAMPER_CURVE + LAW_HARDENED)
          g%shifted = any(abs(batch%angle0) > 0.0_wp)
          g%apart = model%x0(batch%lead(:, 2), :) - model%x0(batch%lead(:, 1), :)
          g%plain = [(all(joint_types(batch%row)%free(1:3) == 0) .and. g%mean .and. &

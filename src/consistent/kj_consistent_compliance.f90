@@ -2,7 +2,6 @@
 !> Source: docs/theory/time_step.md 3, 4.
 module kj_consistent_compliance
    use kj_kinds, only: wp
-   use kj_joint_types, only: NDOF
    use kj_block, only: BLOCK
    use kj_joint_batch, only: joint_batch_t
    use kj_consistent_batch, only: matrix_t
@@ -45,9 +44,8 @@ contains
    end subroutine end_inertias
 
    !> S = B M^-1 B^T of each joint, lower triangle by rows: s11, s21, s22, s31, ...
-   pure subroutine compliance(n, on, b, im, ij1, ij2, s)
-      integer, value :: n
-      logical, intent(in) :: on(NDOF)            !! rows and columns that are wanted
+   pure subroutine compliance(n, rows, b, im, ij1, ij2, s)
+      integer, value :: n, rows                  !! 6; 3 where those of rotations are not wanted
       type(matrix_t), intent(in) :: b
       real(wp), intent(in) :: im(BLOCK, 2)
       real(wp), intent(in) :: ij1(BLOCK, 6), ij2(BLOCK, 6)   !! J^-1: xx yy zz xy xz yz
@@ -59,7 +57,6 @@ contains
 
       both(:n) = im(:n, 1) + im(:n, 2)
       do k = 1, 7, 3
-         if (.not. on((k + 2)/3)) cycle
          !$omp simd
          do i = 1, n
             m2(i, k) = (b%apart(i, 2)*b%force(i, k + 2) - &
@@ -70,13 +67,12 @@ contains
                b%apart(i, 2)*b%force(i, k)) - b%couple(i, k + 2)
          end do
       end do
-      call weigh(n, on(1:3), ij1, b%couple, j1)
-      call weigh(n, on(1:3), ij2, m2, j2)
+      call weigh(n, ij1, b%couple, j1)
+      call weigh(n, ij2, m2, j2)
       at = 0
       do k = 1, 7, 3
          do l = 1, k, 3
             at = at + 1
-            if (.not. (on((k + 2)/3) .and. on((l + 2)/3))) cycle
             !$omp simd
             do i = 1, n
                s(i, at) = b%couple(i, k)*j1(i, l) + b%couple(i, k + 1)*j1(i, l + 1) + &
@@ -87,12 +83,12 @@ contains
             end do
          end do
       end do
+      if (rows < 6) return
       ij(:n, :) = ij1(:n, :) + ij2(:n, :)
-      call weigh(n, on(4:6), ij, b%turn, jr)
+      call weigh(n, ij, b%turn, jr)
       do k = 1, 7, 3
          do l = 1, 7, 3
             at = at + 1
-            if (.not. (on((k + 11)/3) .and. on((l + 2)/3))) cycle
             !$omp simd
             do i = 1, n
                s(i, at) = b%turn(i, k)*(j1(i, l) - j2(i, l)) + b%turn(i, k + 1)*(j1(i, l + 1) - &
@@ -101,7 +97,6 @@ contains
          end do
          do l = 1, k, 3
             at = at + 1
-            if (.not. (on((k + 11)/3) .and. on((l + 11)/3))) cycle
             !$omp simd
             do i = 1, n
                s(i, at) = b%turn(i, k)*jr(i, l) + b%turn(i, k + 1)*jr(i, l + 1) + &
@@ -112,16 +107,14 @@ contains
    end subroutine compliance
 
    !> y = J^-1 b for three vectors
-   pure subroutine weigh(n, on, ij, b, y)
+   pure subroutine weigh(n, ij, b, y)
       integer, value :: n
-      logical, intent(in) :: on(3)               !! vectors that are wanted
       real(wp), intent(in) :: ij(BLOCK, 6), b(BLOCK, 9)
       real(wp), intent(out) :: y(BLOCK, 9)
 
       integer :: i, k
 
       do k = 1, 7, 3
-         if (.not. on((k + 2)/3)) cycle
          !$omp simd
          do i = 1, n
             y(i, k) = ij(i, 1)*b(i, k) + ij(i, 4)*b(i, k + 1) + ij(i, 5)*b(i, k + 2)

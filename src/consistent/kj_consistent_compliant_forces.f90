@@ -20,9 +20,8 @@ module kj_consistent_compliant_forces
    private
 
    public :: spring_forces, damper_rows, add_rests, take_coordinates, renew_locks, &
-      locks_turn, ALL_DOFS
+      locks_turn
 
-   logical, parameter :: ALL_DOFS(NDOF) = .true.
    real(wp), parameter :: SAME_TIME = 1.0e-9_wp  !! of the time itself
 
 contains
@@ -114,7 +113,7 @@ contains
             lanes%elastic(:n) = lanes%elastic(:n) - lost(:n)
             lanes%dissipated(:n) = lanes%dissipated(:n) + lost(:n)
             rub(:n, :) = state%joint(b)%limit(at)%friction(:n, :)
-            call rates(batch, ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, lanes%qd)
+            call rates(batch, NDOF, state%poses%v, state%poses%w, from, n, rows%b, lanes%qd)
          end if
          moment(:n, :) = 0.0_wp
          if (batch%geometry%chart == CHART_VECTOR) then
@@ -155,7 +154,7 @@ contains
                from = BLOCK*(at - 1) + 1
                n = min(BLOCK, batch%n - from + 1)
                associate (rows => self%joint(b)%block(at))
-                  call rates(batch, ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, rate)
+                  call rates(batch, NDOF, state%poses%v, state%poses%w, from, n, rows%b, rate)
                   do k = 1, NDOF
                      if (.not. self%explicit(k, b)) cycle
                      if (is_hardened(batch)) then

@@ -21,12 +21,8 @@ module kj_consistent_compliant_matrix
    private
 
    public :: assemble, put_side, solve_all, take_solution, solve_rows, moves_of_rows, &
-      add_wrenches, wrench_of_rows, rows_at, ROWS_IN_USE
+      add_wrenches, wrench_of_rows, rows_at
 
-   !> rows up to the third, or all
-   logical, parameter :: YES = .true., NO = .false.
-   logical, parameter :: ROWS_IN_USE(6, 2) = reshape([YES, YES, YES, NO, NO, NO, &
-      YES, YES, YES, YES, YES, YES], [6, 2])
    real(wp), parameter :: NO_ROW = 1.0e200_wp    !! on the diagonal of a row that is not there
 
 contains
@@ -173,7 +169,7 @@ contains
             ij2(i, k) = self%share(lead2)*ij(lead2, k)
          end do
       end do
-      call compliance(n, ROWS_IN_USE(:, self%last(b)/3), matrix, im, ij1, ij2, s)
+      call compliance(n, self%last(b), matrix, im, ij1, ij2, s)
       with = merge(1.0_wp, 0.0_wp, tried .or. .not. self%apart)   ! rows of dampers, too
       do k = 1, self%last(b)
          !$omp simd private(both)

@@ -14,7 +14,7 @@ module kj_consistent_compliant_pass
    use kj_consistent_compliant_rows, only: extrapolate, correct, residual, find_change, &
       velocity_side, count_work, take_power, take_block
    use kj_consistent_compliant_matrix, only: add_wrenches, wrench_of_rows, put_side, &
-      take_solution, rows_at, ROWS_IN_USE
+      take_solution, rows_at
    implicit none
    private
 
@@ -32,7 +32,6 @@ module kj_consistent_compliant_pass
    !> tried becomes the present one
    integer, parameter :: CLOSE = 7
 
-   logical, parameter :: ALL_DOFS(NDOF) = .true.
 
    !> What a pass goes by, and the largest numbers that it finds, of translations and rotations
    type :: pass_t
@@ -213,7 +212,7 @@ contains
          call take_solution(n, last, .false., node, column, x, rows)
          call find_change(n, last, rows, most, force)
       case (ASK)
-         call rates(batch, ROWS_IN_USE(:, last/3), poses%v, poses%w, from, n, rows%b, y)
+         call rates(batch, last, poses%v, poses%w, from, n, rows%b, y)
          call velocity_side(n, last, pass%h, pass%at_rest, lanes%q, y, rows)
          call put_side(n, last, node, column, rows, x)
       case (GIVE)
@@ -226,13 +225,13 @@ contains
       case (CLOSE)
          if (rowed) call count_work(n, last, lanes%q, rows, lanes%elastic, lanes%dissipated)
          if (damped) then
-            call rates(batch, ALL_DOFS, start%v_half, poses%w_left, from, n, lanes%b, y)
+            call rates(batch, NDOF, start%v_half, poses%w_left, from, n, lanes%b, y)
             call take_power(n, pass%h, explicit, lanes%fd, y, lanes%dissipated)
             do k = 1, NDOF
                if (explicit(k)) lanes%fd(:n, k) = merge(0.0_wp, rows%g(:n, k), &
                   rows%k(:n, k) > 0.0_wp)
             end do
-            call rates(batch, ALL_DOFS, start%v_half, start%w_half, from, n, rows%b, y)
+            call rates(batch, NDOF, start%v_half, start%w_half, from, n, rows%b, y)
             call take_power(n, pass%h, explicit, lanes%fd, y, lanes%dissipated)
          end if
          do k = 1, last

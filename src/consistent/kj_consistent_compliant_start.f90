@@ -16,7 +16,7 @@ module kj_consistent_compliant_start
    use kj_consistent_step, only: place_nodes
    use kj_consistent_compliant_types, only: compliant_t
    use kj_consistent_compliant_matrix, only: assemble, solve_all
-   use kj_consistent_compliant_forces, only: spring_forces, damper_rows, renew_locks, ALL_DOFS
+   use kj_consistent_compliant_forces, only: spring_forces, damper_rows, renew_locks
    use kj_consistent_compliant_pass, only: pass_t, over_joints, see_joints, ASK, GIVE
    use kj_consistent_compliant_step, only: prepare, put_locks
    implicit none
@@ -133,9 +133,9 @@ contains
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
             associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
-               call rates(model%batch(b), ALL_DOFS, state%poses%v, state%poses%w, from, n, rows%b, &
+               call rates(model%batch(b), NDOF, state%poses%v, state%poses%w, from, n, rows%b, &
                   rate(:, :, 1))
-               call rates(model%batch(b), ALL_DOFS, state%v, self%y, from, n, rows%b, &
+               call rates(model%batch(b), NDOF, state%v, self%y, from, n, rows%b, &
                   rate(:, :, 2))
                do k = 1, NDOF
                   lanes%dissipated(:n) = lanes%dissipated(:n) + 0.5_wp*h*rows%g(:n, k)*0.5_wp* &

@@ -18,7 +18,7 @@ module kj_consistent_compliant_step
    use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate
    use kj_consistent_compliant_matrix, only: assemble, solve_all
    use kj_consistent_compliant_forces, only: spring_forces, damper_rows, add_rests, &
-      renew_locks, ALL_DOFS
+      renew_locks
    use kj_consistent_compliant_pass, only: pass_t, over_joints, close_rows, PUSH, SEE, TAKE, &
       ASK, GIVE, look_at_joints => see_joints
    use kj_consistent_compliant_undo, only: copy, keep_leads, restore_leads, keep_rest
@@ -209,7 +209,7 @@ contains
                   im(i, 2) = im(i, 2)*ends
                   ij2(i, :) = ij2(i, :)*ends
                end do
-               call compliance(n, ALL_DOFS, state%joint(b)%block(at)%b, im, ij1, ij2, s)
+               call compliance(n, 6, state%joint(b)%block(at)%b, im, ij1, ij2, s)
                call bound_stiffness(n, longest_step(self%h_stiff, h), self%gap, self%rigid, &
                   s, rows)
                call weigh_rows(n, h, self%rigid, rows)

@@ -7,8 +7,8 @@ module kj_consistent_dampers
    use kj_joint_types, only: NDOF
    use kj_joint_batch, only: LAW_DAMPER, LAW_DAMPER_CURVE, joint_batch_t, is_hardened
    use kj_block, only: BLOCK, block_of, lane_of, group_of
-   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, damped_dofs, &
-      in_groups, group_at
+   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, in_groups, &
+      group_at
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_compliance, only: end_inertias, compliance
    use kj_consistent_hardening, only: hardened_damper
@@ -75,18 +75,14 @@ contains
 
       real(wp), dimension(BLOCK, 6) :: rate, f, c
       real(wp) :: s(BLOCK, 21), moment(BLOCK, 3), im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6)
-      logical :: on(NDOF)
-      integer :: at, i, k
+      integer :: at, last, i, k
 
-      on = damped_dofs(batch)
+      last = batch%geometry%damped
+      if (last == 0) f(:n, :3) = 0.0_wp
       at = (from - 1)/BLOCK + 1
       associate (h => poses%h)
-         call rates(batch, on, poses%v, poses%w, from, n, state%b, rate)
-         do k = 1, NDOF
-            if (.not. on(k)) then
-               f(:n, k) = 0.0_wp
-               cycle
-            end if
+         call rates(batch, last, poses%v, poses%w, from, n, state%b, rate)
+         do k = 1, last
             if (is_hardened(batch)) then
                call hardened_damper(batch, curves, from, n, k, rate(:, k), joint%spring(at), &
                   f(:, k), c(:, k))
@@ -101,16 +97,16 @@ contains
          end do
          if (h(1) > 0.0_wp) then
             call end_inertias(batch, poses, from, n, im, ij1, ij2)
-            call compliance(n, on, state%b, im, ij1, ij2, s)
-            call solve(n, on, h, c, s, f)
+            call compliance(n, last, state%b, im, ij1, ij2, s)
+            if (last == 3) call solve_three(n, h, c, s, f)
+            if (last == 6) call solve(n, h, c, s, f)
             if (batch%limited) call damp_round_stops(joint%limit(at), h, n, rate, s, f)
          end if
          moment(:n, :) = 0.0_wp
-         if (any(on(4:6))) call add_moment(n, f(:, 4:6), state%b%turn, moment)
+         if (last > 3) call add_moment(n, f(:, 4:6), state%b%turn, moment)
          call put_wrench(n, batch%abreast, f(:, 1:3), moment, state%b, &
             wrench(:, batch%first + from:))
-         do k = 1, NDOF
-            if (.not. on(k)) cycle
+         do k = 1, last
             !$omp simd
             do i = 1, n
                state%fd(i, k) = state%fd(i, k) + f(i, k)
@@ -130,13 +126,10 @@ contains
       type(consistent_block_t), intent(inout) :: state
 
       real(wp) :: rate(BLOCK, 6)
-      logical :: on(NDOF)
       integer :: i, k
 
-      on = damped_dofs(batch)
-      call rates(batch, on, v, w, from, n, state%b, rate)
-      do k = 1, NDOF
-         if (.not. on(k)) cycle
+      call rates(batch, batch%geometry%damped, v, w, from, n, state%b, rate)
+      do k = 1, batch%geometry%damped
          !$omp simd
          do i = 1, n
             state%dissipated(i) = state%dissipated(i) + 0.5_wp*h(i)*state%fd(i, k)*rate(i, k)
@@ -179,21 +172,15 @@ contains
    !> With D = C^1/2 this is D (1 + g D S D)^-1 D^-1: the part of f along a dof without damping
    !> stays (it is zero). L D L^T without pivoting, all joints of the block at once: 6 x 6 is far
    !> too small for one LAPACK call a joint.
-   pure subroutine solve(n, on, h, c, s, f)
+   pure subroutine solve(n, h, c, s, f)
       integer, value :: n
-      logical, intent(in) :: on(NDOF)            !! dofs with damping; of the others nothing is read
       real(wp), intent(in) :: h(BLOCK), c(BLOCK, 6), s(BLOCK, 21)
       real(wp), intent(inout) :: f(BLOCK, 6)
 
       real(wp) :: a(BLOCK, 21), d(BLOCK, 6), scale(BLOCK, 6), pivot(BLOCK, 6), part
-      integer :: list(NDOF), many, i, k, l, m, x, y, z, at, row, column
+      integer :: i, k, l, m, at, row, column
 
-      list = 0
-      many = 0
       do k = 1, NDOF
-         if (.not. on(k)) cycle
-         many = many + 1
-         list(many) = k
          !$omp simd
          do i = 1, n
             d(i, k) = sqrt(c(i, k))
@@ -201,10 +188,8 @@ contains
             f(i, k) = f(i, k)/scale(i, k)
          end do
       end do
-      do x = 1, many
-         k = list(x)
-         do y = 1, x
-            l = list(y)
+      do k = 1, NDOF
+         do l = 1, k
             at = k*(k - 1)/2 + l
             !$omp simd
             do i = 1, n
@@ -213,17 +198,14 @@ contains
          end do
          a(:n, at) = a(:n, at) + 1.0_wp
       end do
-      do x = 1, many
-         k = list(x)
+      do k = 1, NDOF
          !$omp simd
          do i = 1, n
             pivot(i, k) = 1.0_wp/a(i, k*(k + 1)/2)
          end do
-         do y = x + 1, many
-            l = list(y)
+         do l = k + 1, NDOF
             row = l*(l - 1)/2
-            do z = x + 1, y
-               m = list(z)
+            do m = k + 1, l
                column = m*(m - 1)/2 + k
                !$omp simd private(part)
                do i = 1, n
@@ -237,10 +219,8 @@ contains
             end do
          end do
       end do
-      do x = many, 1, -1
-         k = list(x)
-         do y = x + 1, many
-            m = list(y)
+      do k = NDOF, 1, -1
+         do m = k + 1, NDOF
             !$omp simd
             do i = 1, n
                f(i, k) = f(i, k) - a(i, m*(m - 1)/2 + k)*f(i, m)
@@ -251,13 +231,49 @@ contains
             f(i, k) = f(i, k)*pivot(i, k)
          end do
       end do
-      do x = 1, many
-         k = list(x)
+      do k = 1, NDOF
          !$omp simd
          do i = 1, n
             f(i, k) = f(i, k)*scale(i, k)
          end do
       end do
    end subroutine solve
+
+   !> The same of the translations alone, with the same bits, in registers
+   pure subroutine solve_three(n, h, c, s, f)
+      integer, value :: n
+      real(wp), intent(in) :: h(BLOCK), c(BLOCK, 6), s(BLOCK, 21)
+      real(wp), intent(inout) :: f(BLOCK, 6)
+
+      real(wp) :: d1, d2, d3, s1, s2, s3, p1, p2, p3, a21, a22, a31, a32, a33, f1, f2, f3
+      integer :: i
+
+      !$omp simd private(d1, d2, d3, s1, s2, s3, p1, p2, p3, a21, a22, a31, a32, a33, f1, f2, f3)
+      do i = 1, n
+         d1 = sqrt(c(i, 1))
+         d2 = sqrt(c(i, 2))
+         d3 = sqrt(c(i, 3))
+         s1 = merge(d1, 1.0_wp, d1 > 0.0_wp)
+         s2 = merge(d2, 1.0_wp, d2 > 0.0_wp)
+         s3 = merge(d3, 1.0_wp, d3 > 0.0_wp)
+         a21 = 0.5_wp*h(i)*d2*s(i, 2)*d1
+         a22 = 0.5_wp*h(i)*d2*s(i, 3)*d2 + 1.0_wp
+         a31 = 0.5_wp*h(i)*d3*s(i, 4)*d1
+         a32 = 0.5_wp*h(i)*d3*s(i, 5)*d2
+         a33 = 0.5_wp*h(i)*d3*s(i, 6)*d3 + 1.0_wp
+         p1 = 1.0_wp/(0.5_wp*h(i)*d1*s(i, 1)*d1 + 1.0_wp)
+         p2 = 1.0_wp/(a22 - a21*p1*a21)
+         a32 = a32 - a31*p1*a21
+         p3 = 1.0_wp/(a33 - a31*p1*a31 - a32*p2*a32)
+         f1 = f(i, 1)/s1
+         f2 = f(i, 2)/s2 - a21*p1*f1
+         f3 = (f(i, 3)/s3 - a31*p1*f1 - a32*p2*f2)*p3
+         f2 = (f2 - a32*f3)*p2
+         f1 = (f1 - a21*f2 - a31*f3)*p1
+         f(i, 1) = f1*s1
+         f(i, 2) = f2*s2
+         f(i, 3) = f3*s3
+      end do
+   end subroutine solve_three
 
 end module kj_consistent_dampers

@@ -77,6 +77,7 @@ contains
       if (allocated(one%spring)) allocate (wide%spring(wide%n))
       wide%geometry%chart = one%geometry%chart
       wide%geometry%mean = one%geometry%mean
+      wide%geometry%sprung = one%geometry%sprung
       wide%geometry%damped = one%geometry%damped
       wide%geometry%shifted = one%geometry%shifted
       wide%geometry%implicit = one%geometry%implicit

@@ -126,9 +126,10 @@ contains
       integer :: i, k, first, last
 
       call holds(model, from, first, last)
-      call keep_rates(model, first, last, state)
+      if (last >= first) call keep_rates(model, first, last, state)
       call kick(n, from, model, h, state)
-      call project(model, state%mean, state%active, FIRST_HALF, first, last, state)
+      if (last >= first) call project(model, state%mean, state%active, FIRST_HALF, first, last, &
+         state)
       call spin(n, from, model, state%poses%quat, state%l, state%poses%w)
       do k = 1, 3
          !$omp simd
@@ -147,7 +148,7 @@ contains
       else
          call drift(n, from, model, h, state)
       end if
-      call hold_rotations(model, state%mean, state%active, first, last, state)
+      if (last >= first) call hold_rotations(model, state%mean, state%active, first, last, state)
       call open_block(n, from, model, h, state)
    end subroutine move_block
 
@@ -172,25 +173,28 @@ contains
 
       do from = lo, min(hi, model%n_body), BLOCK
          call add_impulse(from, min(from + BLOCK - 1, hi, model%n_body), model%n_lead, &
-            model%n_body, h, state%f, state%own_f, state%impulse)
-         call add_impulse(from, min(from + BLOCK - 1, hi, model%n_body), model%n_lead, &
-            model%n_body, h, state%t, state%own_t, state%angular_impulse)
+            model%n_body, h, state%f, state%t, state%own_f, state%own_t, state%impulse, &
+            state%angular_impulse)
       end do
    end subroutine add_impulses
 
-   !> p += h/2 (f - own) of bodies lo..hi
-   pure subroutine add_impulse(lo, hi, n_lead, n_body, h, f, own, p)
+   !> p += h/2 (f - own_f), l += h/2 (t - own_t) of bodies lo..hi
+   pure subroutine add_impulse(lo, hi, n_lead, n_body, h, f, t, own_f, own_t, p, l)
       integer, value :: lo, hi, n_lead, n_body
-      real(wp), intent(in) :: h(lo:hi), f(n_lead, 3), own(n_lead, 3)
-      real(wp), intent(inout) :: p(n_body, 3)
+      real(wp), intent(in) :: h(lo:hi)
+      real(wp), intent(in), dimension(n_lead, 3) :: f, t, own_f, own_t
+      real(wp), intent(inout) :: p(n_body, 3), l(n_body, 3)
 
       integer :: i
 
       !$omp simd
       do i = lo, hi
-         p(i, 1) = p(i, 1) + 0.5_wp*h(i)*(f(i, 1) - own(i, 1))
-         p(i, 2) = p(i, 2) + 0.5_wp*h(i)*(f(i, 2) - own(i, 2))
-         p(i, 3) = p(i, 3) + 0.5_wp*h(i)*(f(i, 3) - own(i, 3))
+         p(i, 1) = p(i, 1) + 0.5_wp*h(i)*(f(i, 1) - own_f(i, 1))
+         p(i, 2) = p(i, 2) + 0.5_wp*h(i)*(f(i, 2) - own_f(i, 2))
+         p(i, 3) = p(i, 3) + 0.5_wp*h(i)*(f(i, 3) - own_f(i, 3))
+         l(i, 1) = l(i, 1) + 0.5_wp*h(i)*(t(i, 1) - own_t(i, 1))
+         l(i, 2) = l(i, 2) + 0.5_wp*h(i)*(t(i, 2) - own_t(i, 2))
+         l(i, 3) = l(i, 3) + 0.5_wp*h(i)*(t(i, 3) - own_t(i, 3))
       end do
    end subroutine add_impulse
 
@@ -265,7 +269,7 @@ contains
 
       call holds(model, from, first, last)
       call predict(n, from, model, h, state)
-      call project_rates(model, state%final, state%active, first, last, state)
+      if (last >= first) call project_rates(model, state%final, state%active, first, last, state)
       call inertias_of(n, from, model, state%poses%quat, state%poses%ij)
    end subroutine look_block
 
@@ -289,9 +293,10 @@ contains
       integer :: i, k, first, last
 
       call holds(model, from, first, last)
-      call keep_rates(model, first, last, state)
+      if (last >= first) call keep_rates(model, first, last, state)
       call kick(n, from, model, h, state)
-      call project(model, state%final, state%active, SECOND_HALF, first, last, state)
+      if (last >= first) call project(model, state%final, state%active, SECOND_HALF, first, last, &
+         state)
       do k = 1, 3
          do i = from, min(from + n - 1, model%n_body)
             state%turn(i, k) = state%turn(i, k) + state%poses%psi(i, k)

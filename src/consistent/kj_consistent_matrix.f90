@@ -12,8 +12,6 @@ module kj_consistent_matrix
 
    public :: poses_t, rates, joint_rates, add_moment, find_wrench, put_wrench
 
-   logical, parameter :: ALL_DOFS(NDOF) = .true.
-
    !> force on end 1, moment about lead 1, about lead 2
    integer, parameter, public :: N_CONSISTENT_WRENCH = 9
 
@@ -119,18 +117,17 @@ contains
 
       do from = 1, batch%n, BLOCK
          n = min(BLOCK, batch%n - from + 1)
-         call rates(batch, ALL_DOFS, poses%v, poses%w, from, n, &
+         call rates(batch, NDOF, poses%v, poses%w, from, n, &
             joint%block((from - 1)/BLOCK + 1)%b, part)
          rate(from:from + n - 1, :) = part(:n, :)
       end do
    end subroutine joint_rates
 
    !> q' = B v: translations e.(v2 - v1 - w2 x d) + m1.(w2 - w1), rotations rot.(w2 - w1)
-   pure subroutine rates(batch, on, v, w, from, n, b, rate)
+   pure subroutine rates(batch, rows, v, w, from, n, b, rate)
       type(joint_batch_t), intent(in) :: batch
-      logical, intent(in) :: on(NDOF)            !! rates that are wanted
       real(wp), contiguous, intent(in) :: v(:, :), w(:, :)   !! (n_lead, 3)
-      integer, value :: from, n
+      integer, value :: rows, from, n            !! rows: 6; 3 where rotations are not wanted
       type(matrix_t), intent(in) :: b
       real(wp), intent(out) :: rate(BLOCK, 6)
 
@@ -166,16 +163,16 @@ contains
          dv(i, 3) = dv(i, 3) - (w2(i, 1)*b%apart(i, 2) - w2(i, 2)*b%apart(i, 1))
       end do
       do k = 0, 2
-         if (on(1 + k)) then
-            !$omp simd
-            do i = 1, n
-               rate(i, 1 + k) = b%force(i, 3*k + 1)*dv(i, 1) + b%force(i, 3*k + 2)*dv(i, 2) + &
-                  b%force(i, 3*k + 3)*dv(i, 3) + &
-                  (b%couple(i, 3*k + 1)*dw(i, 1) + b%couple(i, 3*k + 2)*dw(i, 2) + &
-                  b%couple(i, 3*k + 3)*dw(i, 3))
-            end do
-         end if
-         if (.not. on(4 + k)) cycle
+         !$omp simd
+         do i = 1, n
+            rate(i, 1 + k) = b%force(i, 3*k + 1)*dv(i, 1) + b%force(i, 3*k + 2)*dv(i, 2) + &
+               b%force(i, 3*k + 3)*dv(i, 3) + &
+               (b%couple(i, 3*k + 1)*dw(i, 1) + b%couple(i, 3*k + 2)*dw(i, 2) + &
+               b%couple(i, 3*k + 3)*dw(i, 3))
+         end do
+      end do
+      if (rows < NDOF) return
+      do k = 0, 2
          !$omp simd
          do i = 1, n
             rate(i, 4 + k) = b%turn(i, 3*k + 1)*dw(i, 1) + b%turn(i, 3*k + 2)*dw(i, 2) + &

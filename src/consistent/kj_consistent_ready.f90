@@ -16,7 +16,6 @@ module kj_consistent_ready
    use kj_consistent_compliant_start, only: start_velocities
    use kj_consistent_compliant_step, only: look_ahead
    use kj_consistent_compliant_matrix, only: solve_rows, moves_of_rows
-   use kj_consistent_compliant_forces, only: ALL_DOFS
    use kj_consistent_compliant_pass, only: see_joints
    implicit none
    private
@@ -71,7 +70,7 @@ contains
                   end associate
                end do
                state%joint(b)%block((from - 1)/BLOCK + 1)%fd = 0.0_wp   ! by another damping
-               call compliance(n, ALL_DOFS, state%joint(b)%block((from - 1)/BLOCK + 1)%b, im, ij1, &
+               call compliance(n, NDOF, state%joint(b)%block((from - 1)/BLOCK + 1)%b, im, ij1, &
                   ij2, s)
                do i = 1, n
                   j = from + i - 1

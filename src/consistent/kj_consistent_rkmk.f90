@@ -177,7 +177,7 @@ contains
       state%poses%v = state%v
       call spin_velocity(model, state%poses%quat, state%l, 1, model%n_lead, state%poses%w)
       do b = 1, size(model%batch)
-         if (.not. model%batch(b)%geometry%damped) cycle
+         if (model%batch(b)%geometry%damped == 0) cycle
          do i = 1, model%batch(b)%n, BLOCK
             call count_damping(model%batch(b), state%poses%v, state%poses%w, whole, i, &
                min(BLOCK, model%batch(b)%n - i + 1), state%joint(b)%block((i - 1)/BLOCK + 1))

@@ -179,8 +179,7 @@ contains
 
       real(wp), dimension(BLOCK, 6) :: ij1, ij2, k, c_part
       real(wp) :: im(BLOCK, 2), s(BLOCK, 21), part(BLOCK), root(BLOCK), w1, w2, g
-      integer :: i, j
-      logical :: on(6)
+      integer :: i, j, rows
 
       associate (batch => model%batch(b), joint => state%joint(b))
          call end_inertias(batch, state%poses, from, n, im, ij1, ij2)
@@ -199,10 +198,10 @@ contains
             if (.not. allocated(bound%c)) cycle
             c_part(i, :) = bound%c(:, j)*[1.0_wp, 1.0_wp, 1.0_wp, g**2, g**2, g**2]
          end do
-         on = .true.                                    ! rotations that are free need no rows
-         if (.not. allocated(bound%c)) on(4:) = .not. all(k(:n, 4:) <= 0.0_wp)
-         call compliance(n, on, joint%block(block_of(from))%b, im, ij1, ij2, s)
-         call eigenvalues_from_above(n, count(on), s, k, part)
+         rows = 6                                       ! rotations that are free need no rows
+         if (.not. allocated(bound%c) .and. all(k(:n, 4:) <= 0.0_wp)) rows = 3
+         call compliance(n, rows, joint%block(block_of(from))%b, im, ij1, ij2, s)
+         call eigenvalues_from_above(n, rows, s, k, part)
          if (allocated(bound%c)) then
             call eigenvalues_from_above(n, 6, s, c_part, root)
             part(:n) = explicit(part(:n), root(:n))

@@ -8,8 +8,8 @@ module kj_consistent_springs
    use kj_joint_batch, only: LAW_SPRING_CURVE, LAW_SPRING, is_spring, is_hardened, SPRING13, &
       joint_batch_t
    use kj_block, only: BLOCK, block_of, lane_of, group_of, turn_arm
-   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, matrix_t, sprung_dofs, &
-      damped_dofs, in_groups, group_at
+   use kj_consistent_batch, only: consistent_joint_t, consistent_block_t, matrix_t, &
+      in_groups, group_at
    use kj_consistent_matrix, only: poses_t, rates, put_wrench, add_moment
    use kj_consistent_dampers, only: count_damping
    use kj_consistent_hardening, only: hardened_forces
@@ -78,13 +78,12 @@ contains
       real(wp), contiguous, intent(inout) :: wrench(:, :)
 
       real(wp) :: q(BLOCK, 6), f(BLOCK, 6), rot(BLOCK, 9), moment(BLOCK, 3), lost(BLOCK)
-      integer :: at, k
-      logical :: sprung(NDOF), damped(NDOF)
+      integer :: at, k, sprung, damped
 
-      sprung = sprung_dofs(batch)
-      damped = damped_dofs(batch)
+      sprung = batch%geometry%sprung
+      damped = batch%geometry%damped
       at = (from - 1)/BLOCK + 1
-      if (batch%geometry%damped .and. poses%h(1) > 0.0_wp) &
+      if (damped > 0 .and. poses%h(1) > 0.0_wp) &
          call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
       call coordinates(batch, .false., poses, from, n, state%q, q, state%b, rot)
       call laws(batch, curves, poses, from, n, q, at, state, joint, f, lost)
@@ -95,23 +94,19 @@ contains
       end if
       moment(:n, :) = 0.0_wp
       if (batch%geometry%chart == CHART_VECTOR) then
-         if (any(sprung(4:6))) call add_moment(n, f(:, 4:6), rot, moment)
-      else if (any(sprung(4:6))) then
+         if (sprung > 3) call add_moment(n, f(:, 4:6), rot, moment)
+      else if (sprung > 3) then
          call add_moment(n, f(:, 4:6), state%b%turn, moment)
       end if
-      if (batch%geometry%damped) then
+      if (damped > 0) then
          call rates(batch, damped, poses%v, poses%w, from, n, state%b, q)
-         do k = 1, 6
-            if (.not. damped(k)) then
-               q(:n, k) = 0.0_wp
-               cycle
-            end if
+         do k = 1, damped
             state%qd(:n, k) = q(:n, k)
             q(:n, k) = state%fd(:n, k)
             if (batch%limited) q(:n, k) = q(:n, k) + joint%limit(at)%friction(:n, k)
          end do
          f(:n, 1:3) = f(:n, 1:3) + q(:n, 1:3)
-         if (any(damped(4:6))) call add_moment(n, q(:, 4:6), state%b%turn, moment)
+         if (damped > 3) call add_moment(n, q(:, 4:6), state%b%turn, moment)
       end if
       call put_wrench(n, batch%abreast, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
    end subroutine springs_of
@@ -119,17 +114,16 @@ contains
    !> Keep coordinates and spring forces, and count the work done on the springs
    pure subroutine keep_coordinates(n, sprung, q, f, state)
       integer, value :: n
-      logical, intent(in) :: sprung(NDOF)
+      integer, intent(in) :: sprung              !! last dof that may have an elastic force: 0, 3, 6
       real(wp), intent(in) :: q(BLOCK, 6), f(BLOCK, 6)
       type(consistent_block_t), intent(inout) :: state
 
       integer :: i, k
 
-      do k = 1, NDOF
-         if (.not. sprung(k)) then
-            state%q(:n, k) = q(:n, k)
-            cycle
-         end if
+      do k = sprung + 1, NDOF
+         state%q(:n, k) = q(:n, k)
+      end do
+      do k = 1, sprung
          !$omp simd
          do i = 1, n
             state%elastic(i) = state%elastic(i) + &
@@ -161,7 +155,7 @@ contains
          return
       end if
       if (.not. (batch%geometry%shifted .or. batch%limited)) then
-         do k = 1, NDOF
+         do k = 1, max(3, batch%geometry%sprung)
             call spring(batch, curves, from, n, k, q(:, k), f(:, k))
          end do
          return

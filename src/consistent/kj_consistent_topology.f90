@@ -92,8 +92,9 @@ contains
       same = all(a%lead == b%lead)
       associate (g => a%geometry, h => b%geometry)
          same = same .and. g%chart == h%chart .and. (g%mean .eqv. h%mean) .and. &
-            (g%damped .eqv. h%damped) .and. (g%shifted .eqv. h%shifted) .and. &
-            (g%implicit .eqv. h%implicit) .and. (allocated(g%rail) .eqv. allocated(h%rail))
+            g%sprung == h%sprung .and. g%damped == h%damped .and. &
+            (g%shifted .eqv. h%shifted) .and. (g%implicit .eqv. h%implicit) .and. &
+            (allocated(g%rail) .eqv. allocated(h%rail))
       end associate
    end function same_batch
 

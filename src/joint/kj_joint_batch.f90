@@ -47,7 +47,7 @@ module kj_joint_batch
    type :: geometry_t
       integer :: chart = 0                       !! CHART_ constant
       logical :: mean = .true.                   !! translations in the mean frame, else of body 1
-      logical :: damped = .false.                !! any dof has damping
+      integer :: sprung = 0, damped = 0          !! the dofs 1 to 0, 3 or 6 may have such forces
       logical :: shifted = .false.               !! some angle does not start at 0
       logical :: implicit = .false.              !! blocked directions and locks are implicit
       !> (n) equal springs without a length: no frame needed
