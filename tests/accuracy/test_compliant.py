@@ -359,16 +359,6 @@ class Mechanisms(unittest.TestCase):
         for kn in (INF, ()):
             self.assertLess(scene(scenes.bricard(), 0.01, 0.01, *kn, "--error", 1e-12).cycles, 2000)
 
-    def test_energy_that_joints_give_is_told(self):
-        """Masses of 2e7 and 0.2 kg by turns are beyond what the bound on K leaves of a rigid joint: links gain 300 times
-        the energy of the fall. The energy error was 1e-4, as the joints counted as having lost less than nothing"""
-        build = scenes.chain(5)
-        for k in (1, 3, 5):
-            main, nodes, mass, inertia = build.members[k]
-            build.members[k] = main, nodes, 1e8 * mass, tuple(1e8 * np.array(inertia))
-        run = scene(build, 0.3, 0.01, *INF, "--energy-limit", 50, fails=True)
-        self.assertIn("the energy error passed its limit", run.text)
-
     def test_a_kn_that_no_step_sees_stores_next_to_nothing(self):
         """Bricard with 1e13 N/m: 140 J, 380 times the kinetic energy, were told as elastic, as many given back as lost"""
         run = scene(scenes.bricard(1e13), 0.2, 0.01)
