@@ -8,8 +8,8 @@ module kj_consistent_compliant_build
       LAW_SPRING_CURVE, LAW_HARDENED
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_batch, only: consistent_joint_t
-   use kj_consistent_compliant_types, only: compliant_t, compliant_joint_t, leads_then_t, end_t, &
-      damper_t
+   use kj_consistent_compliant_types, only: compliant_t, compliant_joint_t, leads_then_t, then_t, &
+      end_t, damper_t, N_KEPT
    use kj_consistent_compliant_pattern, only: new_pattern, place
    use kj_consistent_compliant_factor, only: new_factor
    implicit none
@@ -61,20 +61,34 @@ contains
          allocate (self%y(n, 3), self%turn(n, 3), &
             self%free(3, 3, 2, merge(n, 0, any(self%partly))), source=0.0_wp)
          call new_leads(model, state, self%start)
-         allocate (self%then%joint(BLOCK, 27, sum((model%batch%n + BLOCK - 1)/BLOCK)), &
-            self%f(n, 3), self%t(n, 3), source=0.0_wp)
-         allocate (self%then%limit(size(model%batch)))
-         do b = 1, size(model%batch)
-            if (model%batch(b)%limited) self%then%limit(b)%block = state%joint(b)%limit
-         end do
-         self%then%turn = state%turn
-         self%then%motion_at = state%motion_at
-         self%then%load_force = state%load_force
-         self%then%load_place = state%load_place
-         self%then%field = state%field
+         allocate (self%f(n, 3), self%t(n, 3), source=0.0_wp)
+         call new_then(model, state, self%start, self%then(1))
+         self%then(2) = self%then(1)
          self%size = size_of(model)
       end associate
    end subroutine new_compliant
+
+   !> Room for all that a step changes
+   subroutine new_then(model, state, leads, then)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(leads_then_t), intent(in) :: leads
+      type(then_t), intent(out) :: then
+
+      integer :: b
+
+      then%leads = leads
+      allocate (then%joint(BLOCK, N_KEPT, sum((model%batch%n + BLOCK - 1)/BLOCK)), source=0.0_wp)
+      allocate (then%limit(size(model%batch)))
+      do b = 1, size(model%batch)
+         if (model%batch(b)%limited) then%limit(b)%block = state%joint(b)%limit
+      end do
+      then%turn = state%turn
+      then%motion_at = state%motion_at
+      then%load_force = state%load_force
+      then%load_place = state%load_place
+      then%field = state%field
+   end subroutine new_then
 
    !> Rows of batch b
    subroutine new_rows(model, b, self)

@@ -1,8 +1,10 @@
 !> Steps of the integrator `compliant`: as long as the error, the turn of the bodies, explicit
 !> springs, stops and events allow.
 !> Source: docs/theory/compliant.md 3, 6.
+!> One file: all that decides on the length of a step.
 module kj_consistent_compliant_march
    use kj_kinds, only: wp
+   use kj_joint_batch, only: is_hardened
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_safe_step, only: bound_t, new_bound, renew_bound, has_moved
@@ -12,11 +14,12 @@ module kj_consistent_compliant_march
    use kj_consistent_compliant_start, only: start_velocities
    use kj_consistent_compliant_forces, only: locks_turn
    use kj_consistent_compliant_stops, only: stop_step
-   use kj_consistent_compliant_undo, only: undo_step
+   use kj_consistent_compliant_pair, only: pair_step
+   use kj_consistent_compliant_undo, only: keep_all, undo_step, BEFORE
    implicit none
    private
 
-   public :: pace_t, start_pace, march_compliant
+   public :: pace_t, start_pace, march_compliant, next_solve
 
    integer, parameter :: LOOK = 4                !! steps between two looks at the error
    integer, parameter :: MOST_HALVINGS = 6
@@ -32,6 +35,13 @@ module kj_consistent_compliant_march
    integer, parameter :: MOST_CRAWLED = 1000     !! steps in a row
    real(wp), parameter :: USUAL = 1.0e-3_wp      !! at once is no error; less below this tolerance
 
+   ! Steps of fourth order
+   real(wp), parameter :: SHARE = 10.0_wp        !! CLOSE of it: of the allowed error, in a pass
+   real(wp), parameter :: MOST_TOLERANCE = 0.1_wp   !! above it the error is none of the business
+   real(wp), parameter :: FADE = 0.7_wp          !! of the largest error of late, in a step
+   real(wp), parameter :: DOUBT = 0.8_wp         !! of solves, below which the order changes
+   real(wp), parameter :: WIDER = 4.5_wp         !! turn of a long step: its error is seen
+
    !> Step control
    type :: pace_t
       logical :: rigid = .false.                 !! Kn = infinity
@@ -45,6 +55,10 @@ module kj_consistent_compliant_march
       real(wp) :: h_bound = huge(1.0_wp)         !! by explicit springs
       real(wp) :: h_stop = huge(1.0_wp)          !! by stops and friction
       logical :: limited = .false.               !! there are some
+      logical :: able = .false.                  !! pairs of steps are possible
+      logical :: paired = .false.                !! steps are taken as pairs, of fourth order
+      real(wp) :: wrong(2) = 0.0_wp              !! of the last pair: way, turn
+      real(wp) :: c = 0.0_wp                     !! error of a step over its cube, of late
       real(wp) :: limit = huge(1.0_wp)           !! least of them
       integer :: owner = 0                       !! joint that holds it, index among all
       real(wp) :: span = 0.0_wp                  !! time that the error is spread over
@@ -72,6 +86,7 @@ contains
 
       real(wp) :: loss, kinetic
       logical :: late
+      integer :: b
 
       loss = 0.0_wp
       kinetic = 0.0_wp
@@ -86,6 +101,13 @@ contains
       if (.not. self%span > 0.0_wp) self%span = 1.0_wp
       self%h_error = START_PART*self%span*min(1.0_wp, sqrt(self%tolerance/USUAL))
       self%limited = any(model%batch%limited)
+      self%able = self%tolerance < MOST_TOLERANCE .and. .not. self%limited
+      do b = 1, size(model%batch)
+         self%able = self%able .and. .not. is_hardened(model%batch(b))
+      end do
+      self%paired = self%able
+      if (self%able) self%h_error = START_PART*self%span* &
+         min(1.0_wp, sqrt(sqrt(self%tolerance/USUAL)))
       call list_events(model, self)
       self%left = 0
       self%since = 0
@@ -102,7 +124,7 @@ contains
       state%compliant%least_scale = max(state%compliant%kinetic, &
          self%tolerance*state%compliant%size*sum(norm2(state%f, dim=2)))
       call take_limit(model, state, self)
-      call try_first_steps(model, state, self)
+      if (.not. self%able) call try_first_steps(model, state, self)
       if (self%limited) call look_at_stops(model, state, self, late)
    end subroutine start_pace
 
@@ -130,7 +152,7 @@ contains
          end do
          change = 0.5_wp
          if (good) change = 0.9_wp*sqrt(allowed_error(state, h, self)/ &
-            max(error_of(copy%compliant), tiny(h)))
+            max(error_of(self, copy%compliant), tiny(h)))
          if (change > 0.9_wp) return
          self%h_error = change*h
          self%limit = min(self%limit, self%h_error)
@@ -191,7 +213,7 @@ contains
             sum(state%l(i, :)**2)*model%inverse_inertia(i, 2)**2)
       end do
       self%h_turn = huge(1.0_wp)
-      if (fastest > 0.0_wp) self%h_turn = self%turn/sqrt(fastest)
+      if (fastest > 0.0_wp) self%h_turn = merge(WIDER, 1.0_wp, self%paired)*self%turn/sqrt(fastest)
       if (self%bound%h < huge(1.0_wp)) then
          if (has_moved(model, state, self%bound)) then
             call renew_bound(model, state, self%bound)
@@ -213,9 +235,9 @@ contains
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: arrived
 
-      real(wp) :: target
+      real(wp) :: target, allowed
       logical :: good
-      integer :: i
+      integer :: i, passes
 
       arrived = .not. t_end > state%time
       if (arrived) return
@@ -223,9 +245,17 @@ contains
          target = next_target(t_end, state%time, self)
          if (self%left == 0 .or. abs(target - self%target) > 0.0_wp) &
             call divide(target, state, self)
-         call expect_error(self%h, self, state%compliant)
-         call compliant_step(model, self%h, state, good)
-         self%passes = self%passes + state%compliant%passes
+         if (self%paired) then
+            allowed = SHARE*self%tolerance*self%h/self%span
+            call pair_step(model, self%h, allowed*state%compliant%size, allowed, state, good, &
+               self%wrong(1), self%wrong(2), passes)
+            self%passes = self%passes + passes
+         else
+            call expect_error(self%h, self, state%compliant)
+            call keep_all(model, BEFORE, state)
+            call compliant_step(model, self%h, state, good)
+            self%passes = self%passes + state%compliant%passes
+         end if
          if (.not. good) then
             self%halvings = self%halvings + 1
             self%failed = self%failed + 1
@@ -326,12 +356,12 @@ contains
 
       wrong = .false.
       associate (c => state%compliant)
-         if (c%jump > FREE_STEPS) then
-            e = error_of(c)
+         if (c%jump > FREE_STEPS .or. self%paired) then
+            e = error_of(self, c)
             allowed = allowed_error(state, self%h, self)
             if (e > TOO_LARGE*allowed) then
                wrong = .true.
-               self%h_error = max(0.3_wp, 0.9_wp*sqrt(allowed/e))*self%h
+               self%h_error = max(0.3_wp, 0.9_wp*(allowed/e)**power(self))*self%h
                self%limit = min(self%limit, self%h_error)
                self%since = 0
                self%drift = 0.0_wp
@@ -356,13 +386,65 @@ contains
       e = max(ROUNDING, self%tolerance/self%span*max(h, LEAST_PART*state%time/max(1, state%cycle)))
    end function allowed_error
 
-   !> Estimated error of the last step, of the size of the scene or in rad
-   pure real(wp) function error_of(c) result(e)
+   !> Estimated error of the last step, of the size of the scene or in rad. That of a pair: the
+   !> error of its long step is (h/tau)**3, what is left (h/tau)**5.
+   pure real(wp) function error_of(self, c) result(e)
+      type(pace_t), intent(in) :: self
       type(compliant_t), intent(in) :: c
 
-      e = c%e_turn
-      if (c%size > 0.0_wp) e = max(e, c%e_way/c%size)
+      if (self%paired) then
+         e = self%wrong(2)
+         if (c%size > 0.0_wp) e = max(e, self%wrong(1)/c%size)
+         e = e**(5.0_wp/3.0_wp)
+      else
+         e = c%e_turn
+         if (c%size > 0.0_wp) e = max(e, c%e_way/c%size)
+      end if
    end function error_of
+
+   !> The order that takes fewer solves. The error of a short step is c h**3 by the last steps.
+   subroutine choose_order(model, allowed, size, self)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: allowed            !! error per time
+      real(wp), intent(in) :: size
+      type(pace_t), intent(inout) :: self
+
+      real(wp) :: c, h(2), turn, interval, solves(2)
+
+      if (self%paired) then
+         c = self%wrong(2)
+         if (size > 0.0_wp) c = max(c, self%wrong(1)/size)
+         c = 4.0_wp/3.0_wp*c/self%h**3
+      else
+         c = self%drift/self%since*allowed/self%h**2
+      end if
+      c = max(c, FADE*self%c, tiny(c))
+      self%c = c
+      turn = self%h_turn/merge(WIDER, 1.0_wp, self%paired)
+      h(1) = min(0.9_wp*sqrt(allowed/c), turn)
+      h(2) = min(0.9_wp*(allowed/(0.75_wp*c)**(5.0_wp/3.0_wp))**0.25_wp, WIDER*turn)
+      h = min(h, self%h_bound, self%most)
+      interval = model%control%sample
+      if (.not. interval > 0.0_wp) interval = self%span
+      solves = [1.0_wp, 3.0_wp]*ceiling(min(interval/h, 1.0e9_wp))
+      if (self%paired .eqv. solves(2) <= merge(1.0_wp, DOUBT, self%paired)*solves(1)) return
+      self%paired = .not. self%paired
+      self%h_error = min(h(merge(2, 1, self%paired)), merge(3.0_wp, 0.75_wp, self%paired)*self%h)
+   end subroutine choose_order
+
+   !> By which power of the error over the allowed a step is shorter
+   pure real(wp) function power(self)
+      type(pace_t), intent(in) :: self
+
+      power = merge(0.25_wp, 0.5_wp, self%paired)
+   end function power
+
+   !> The step of the next position stage
+   pure real(wp) function next_solve(self) result(h)
+      type(pace_t), intent(in) :: self
+
+      h = merge(0.5_wp, 1.0_wp, self%paired)*self%h
+   end function next_solve
 
    !> After a step: are the next ones as long?
    subroutine watch(model, state, self)
@@ -370,27 +452,32 @@ contains
       type(consistent_state_t), intent(inout) :: state
       type(pace_t), intent(inout) :: self
 
-      real(wp) :: change, before
-      logical :: late
+      real(wp) :: change, before, allowed
+      logical :: late, was
 
       if (self%limited) call look_at_stops(model, state, self, late)
-      if (state%compliant%jump <= FREE_STEPS) then
+      if (state%compliant%jump <= FREE_STEPS .and. .not. self%paired) then
          self%drift = 0.0_wp
          return
       end if
+      allowed = allowed_error(state, self%h, self)
       self%since = self%since + 1
-      self%drift = self%drift + error_of(state%compliant)/allowed_error(state, self%h, self)
-      if (self%since < LOOK) return
+      self%drift = self%drift + error_of(self, state%compliant)/allowed
+      if (self%since < merge(1, LOOK, self%paired)) return
       before = self%limit
-      change = 0.9_wp*sqrt(self%since/max(self%drift, tiny(change)))
-      change = max(0.3_wp, min(2.0_wp, change))
-      if (change < 0.8_wp .or. change > 1.2_wp) self%h_error = &
-         change*min(self%h, self%h_error)
+      was = self%paired
+      if (self%able) call choose_order(model, allowed/self%h, state%compliant%size, self)
+      if (was .eqv. self%paired) then
+         change = 0.9_wp*(self%since/max(self%drift, tiny(change)))**power(self)
+         change = max(0.3_wp, min(2.0_wp, change))
+         if (change < 0.8_wp .or. change > 1.2_wp) self%h_error = change*min(self%h, self%h_error)
+      end if
       self%since = 0
       self%drift = 0.0_wp
       call take_limit(model, state, self)
       if (self%left > 0 .and. (self%limit < self%h*(1.0_wp - 1.0e-9_wp) .or. &
-         self%limit > 1.2_wp*before)) call divide(self%target, state, self)
+         self%limit > 1.2_wp*before .or. (was .neqv. self%paired))) &
+         call divide(self%target, state, self)
    end subroutine watch
 
 end module kj_consistent_compliant_march

@@ -42,6 +42,7 @@ module kj_consistent_compliant_pass
       real(wp) :: part = 1.0_wp                  !! of r
       logical :: first = .false.                 !! without rotations that are no rows
       logical :: at_rest = .false.               !! without forces of implicit rows
+      logical :: shift = .true.                  !! CLOSE: f becomes the last one
       real(wp) :: most(2) = 0.0_wp               !! SEE: residual, TAKE: change of f
       real(wp) :: force(2) = 0.0_wp              !! TAKE: f after it
    end type pass_t
@@ -69,6 +70,7 @@ contains
       type(pass_t) :: pass
 
       pass%what = CLOSE
+      pass%shift = .not. self%long
       pass%h = h
       call over_joints(model, pass, state, self)
    end subroutine close_rows
@@ -234,7 +236,7 @@ contains
             call rates(batch, NDOF, start%v_half, start%w_half, from, n, rows%b, y)
             call take_power(n, pass%h, explicit, lanes%fd, y, lanes%dissipated)
          end if
-         do k = 1, last
+         do k = 1, merge(last, 0, pass%shift)
             !$omp simd
             do i = 1, n
                rows%f_third(i, k) = rows%f_before(i, k)

@@ -9,6 +9,7 @@ module kj_consistent_compliant_show
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_compliant_matrix, only: wrench_of_rows, add_wrenches
+   use kj_consistent_compliant_march, only: pace_t, next_solve
    use kj_consistent_compliant_step, only: look_ahead
    implicit none
    private
@@ -19,15 +20,16 @@ contains
 
    !> Put the forces at t into the joints (fd of implicit rows) and the leads, for whoever reads
    !> them
-   subroutine begin_show(model, h, state)
+   subroutine begin_show(model, pace, state)
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h                  !! the next step
+      type(pace_t), intent(in) :: pace           !! of the next steps
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: before, after, w(BLOCK, N_CONSISTENT_WRENCH)
+      real(wp) :: h, before, after, w(BLOCK, N_CONSISTENT_WRENCH)
       integer :: b, at, from, n, k
 
       if (.not. allocated(state%compliant)) return
+      h = next_solve(pace)
       associate (self => state%compliant)
          before = 2.0_wp
          if (self%jump > 0) then

@@ -22,7 +22,7 @@ module kj_consistent_compliant_start
    implicit none
    private
 
-   public :: start_velocities
+   public :: start_velocities, find_explicit
 
    real(wp), parameter :: NO_STEP(BLOCK) = 0.0_wp
 
@@ -85,7 +85,8 @@ contains
       logical :: any_rest
       integer :: b, at, k
 
-      call open_leads(model, spread(0.0_wp, 1, model%n_lead), 1, model%n_lead, state)
+      state%compliant%y = 0.0_wp                 ! no step
+      call open_leads(model, state%compliant%y(:, 1), 1, model%n_lead, state)
       state%poses%v = state%v
       state%poses%psi = 0.0_wp
       state%poses%h = 0.0_wp

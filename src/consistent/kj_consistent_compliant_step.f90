@@ -21,7 +21,7 @@ module kj_consistent_compliant_step
       renew_locks
    use kj_consistent_compliant_pass, only: pass_t, over_joints, close_rows, PUSH, SEE, TAKE, &
       ASK, GIVE, look_at_joints => see_joints
-   use kj_consistent_compliant_undo, only: copy, keep_leads, restore_leads, keep_rest
+   use kj_consistent_compliant_undo, only: copy, keep_leads, restore_leads
    implicit none
    private
 
@@ -51,10 +51,9 @@ contains
 
       logical :: changed
 
-      call keep_rest(model, state)
       state%h = h
       associate (self => state%compliant)
-         if (max(h, self%h_last) > UNLIKE*min(h, self%h_last)) self%jump = 0
+         if (max(h, self%h_last) > UNLIKE*min(h, self%h_last) .and. .not. self%long) self%jump = 0
       end associate
       call renew_locks(model, state, state%compliant, changed)
       if (changed) call put_locks(state%compliant)
@@ -84,10 +83,11 @@ contains
       call velocity_stage(model, h, state, good)
       associate (self => state%compliant)
          call close_rows(model, h, state, self)
+         self%known = -1
+         if (self%long) return
          self%equal = merge(1, self%equal + 1, abs(h - self%h_last) > 0.0_wp)
          self%h_last = h
          self%h_stiff = longest_step(self%h_stiff, h)
-         self%known = -1
          self%jump = self%jump + 1
          self%renewed = self%renewed + 1
       end associate
@@ -181,7 +181,7 @@ contains
       real(wp), intent(out) :: guess(3)          !! weights of the last f, the last first
       logical, intent(out) :: good
 
-      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ends
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ends, stiff
       integer :: b, at, from, n, i
       logical :: anew, look
 
@@ -190,6 +190,8 @@ contains
       if (anew .or. .not. self%factored) call inverse_inertias(model, state%poses%quat, 1, &
          model%n_lead, state%poses%ij)
       if (anew) self%stiffest = 0.0_wp
+      stiff = longest_step(self%h_stiff, h)
+      if (self%long) stiff = 2.0_wp*longest_step(self%h_stiff, 0.5_wp*h)
       guess = [1.0_wp, 0.0_wp, 0.0_wp]
       if (self%jump >= 2) guess(:2) = [1.0_wp + h/self%h_last, -h/self%h_last]
       if (self%jump >= 3 .and. self%equal >= 3 .and. .not. abs(h - self%h_last) > 0.0_wp) &
@@ -210,8 +212,7 @@ contains
                   ij2(i, :) = ij2(i, :)*ends
                end do
                call compliance(n, 6, state%joint(b)%block(at)%b, im, ij1, ij2, s)
-               call bound_stiffness(n, longest_step(self%h_stiff, h), self%gap, self%rigid, &
-                  s, rows)
+               call bound_stiffness(n, stiff, self%gap, self%rigid, s, rows)
                call weigh_rows(n, h, self%rigid, rows)
                self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
                self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))

@@ -10,7 +10,9 @@ module kj_consistent_compliant_types
    private
 
    public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, end_t, link_t, tie_t, &
-      damper_t, leads_then_t, then_t, compliant_t
+      damper_t, leads_then_t, then_t, compliant_t, N_KEPT
+
+   integer, parameter :: N_KEPT = 51             !! numbers of a joint that a step changes
 
    !> A block of joints. Rows that are not implicit have weight 0.
    type :: compliant_block_t
@@ -98,11 +100,12 @@ module kj_consistent_compliant_types
       type(limit_block_t), allocatable :: block(:)
    end type limits_then_t
 
-   !> What else a step changes, as it was at its start. Coordinates and B follow from the poses.
+   !> All that a step changes, as it was. Coordinates and B follow from the poses.
    type :: then_t
-      integer :: cycle = 0, jump = 0
+      type(leads_then_t) :: leads
+      integer :: cycle = 0, jump = 0, equal = 0
       real(wp) :: time = 0.0_wp, work = 0.0_wp, h_last = 0.0_wp, h_stiff = 0.0_wp
-      real(wp), allocatable :: joint(:, :, :)         !! (BLOCK, 27, blocks of all batches)
+      real(wp), allocatable :: joint(:, :, :)         !! (BLOCK, N_KEPT, blocks of all batches)
       type(limits_then_t), allocatable :: limit(:)    !! (batches)
       real(wp), allocatable :: turn(:, :), motion_at(:)
       real(wp), allocatable :: load_force(:, :), load_place(:, :)
@@ -136,7 +139,7 @@ module kj_consistent_compliant_types
       !> (n_lead) of the other leads: inverse mass, and what makes one of poses%ij; 0 for these
       real(wp), allocatable :: im(:), share(:)
       type(leads_then_t) :: start
-      type(then_t) :: then
+      type(then_t) :: then(2)                    !! at the start of a step, and its fine end
       real(wp), allocatable :: y(:, :), turn(:, :)   !! (n_lead, 3) change of velocities
       logical, allocatable :: rowed(:)           !! (batches) some rows are implicit or have dampers
       !> (batches) the last row that is implicit or may have a damper, 3 or 6
@@ -160,6 +163,8 @@ module kj_consistent_compliant_types
       integer :: renewed = 0                     !! steps since stiffness was bounded
       integer :: jump = 0                        !! steps since a start or jump
       integer :: equal = 0                       !! equal steps in a row before the next
+      !> the step under way is the long one of a pair of short ones, whose multipliers stay
+      logical :: long = .false.
       real(wp) :: size = 0.0_wp                  !! of the scene
       real(wp) :: stiffest(2) = 0.0_wp           !! largest 1/kappa, translations and rotations
       real(wp) :: e_way = 0.0_wp, e_turn = 0.0_wp   !! estimated error of the last step

@@ -4,15 +4,18 @@ module kj_consistent_compliant_undo
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_consistent_batch, only: consistent_joint_t
+   use kj_consistent_matrix, only: poses_t
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_step, only: place_nodes
-   use kj_consistent_compliant_types, only: compliant_joint_t
+   use kj_consistent_compliant_types, only: compliant_joint_t, leads_then_t
    use kj_consistent_compliant_forces, only: take_coordinates
    use kj_consistent_compliant_pass, only: see_joints
    implicit none
    private
 
-   public :: copy, keep_leads, restore_leads, keep_rest, undo_step
+   public :: copy, keep_leads, restore_leads, keep_all, undo_step
+
+   integer, parameter, public :: BEFORE = 1, FINE = 2   !! what is kept
 
 contains
 
@@ -34,52 +37,72 @@ contains
    subroutine keep_leads(state)
       type(consistent_state_t), intent(inout) :: state
 
-      associate (then => state%compliant%start)
-         call copy(size(then%x), state%poses%x, then%x)
-         call copy(size(then%d), state%poses%d, then%d)
-         call copy(size(then%quat), state%poses%quat, then%quat)
-         call copy(size(then%v), state%v, then%v)
-         call copy(size(then%l), state%l, then%l)
-         call copy(size(then%f), state%f, then%f)
-         call copy(size(then%t), state%t, then%t)
-         call copy(size(then%own_f), state%own_f, then%own_f)
-         call copy(size(then%own_t), state%own_t, then%own_t)
-         call copy(size(then%impulse), state%impulse, then%impulse)
-         call copy(size(then%angular_impulse), state%angular_impulse, then%angular_impulse)
-      end associate
+      call leads_to(state%compliant%start, state%poses, state%v, state%l, state%f, state%t, &
+         state%own_f, state%own_t, state%impulse, state%angular_impulse)
    end subroutine keep_leads
 
    !> Bring them back
    subroutine restore_leads(state)
       type(consistent_state_t), intent(inout) :: state
 
-      associate (then => state%compliant%start)
-         call copy(size(then%x), then%x, state%poses%x)
-         call copy(size(then%d), then%d, state%poses%d)
-         call copy(size(then%quat), then%quat, state%poses%quat)
-         call copy(size(then%v), then%v, state%v)
-         call copy(size(then%l), then%l, state%l)
-         call copy(size(then%f), then%f, state%f)
-         call copy(size(then%t), then%t, state%t)
-         call copy(size(then%own_f), then%own_f, state%own_f)
-         call copy(size(then%own_t), then%own_t, state%own_t)
-         call copy(size(then%impulse), then%impulse, state%impulse)
-         call copy(size(then%angular_impulse), then%angular_impulse, state%angular_impulse)
-      end associate
+      call leads_from(state%compliant%start, state%poses, state%v, state%l, state%f, state%t, &
+         state%own_f, state%own_t, state%impulse, state%angular_impulse)
    end subroutine restore_leads
 
-   !> Remember what the position stage leaves alone
-   subroutine keep_rest(model, state)
+   pure subroutine leads_to(then, poses, v, l, f, t, own_f, own_t, impulse, angular_impulse)
+      type(leads_then_t), intent(inout) :: then
+      type(poses_t), intent(in) :: poses
+      real(wp), intent(in), contiguous, dimension(:, :) :: v, l, f, t, own_f, own_t, impulse, &
+         angular_impulse
+
+      call copy(size(then%x), poses%x, then%x)
+      call copy(size(then%d), poses%d, then%d)
+      call copy(size(then%quat), poses%quat, then%quat)
+      call copy(size(v), v, then%v)
+      call copy(size(l), l, then%l)
+      call copy(size(f), f, then%f)
+      call copy(size(t), t, then%t)
+      call copy(size(own_f), own_f, then%own_f)
+      call copy(size(own_t), own_t, then%own_t)
+      call copy(size(impulse), impulse, then%impulse)
+      call copy(size(angular_impulse), angular_impulse, then%angular_impulse)
+   end subroutine leads_to
+
+   pure subroutine leads_from(then, poses, v, l, f, t, own_f, own_t, impulse, angular_impulse)
+      type(leads_then_t), intent(in) :: then
+      type(poses_t), intent(inout) :: poses
+      real(wp), intent(inout), contiguous, dimension(:, :) :: v, l, f, t, own_f, own_t, impulse, &
+         angular_impulse
+
+      call copy(size(then%x), then%x, poses%x)
+      call copy(size(then%d), then%d, poses%d)
+      call copy(size(then%quat), then%quat, poses%quat)
+      call copy(size(v), then%v, v)
+      call copy(size(l), then%l, l)
+      call copy(size(f), then%f, f)
+      call copy(size(t), then%t, t)
+      call copy(size(own_f), then%own_f, own_f)
+      call copy(size(own_t), then%own_t, own_t)
+      call copy(size(impulse), then%impulse, impulse)
+      call copy(size(angular_impulse), then%angular_impulse, angular_impulse)
+   end subroutine leads_from
+
+   !> Remember all that a step changes
+   subroutine keep_all(model, which, state)
       type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: which               !! BEFORE or FINE
       type(consistent_state_t), intent(inout) :: state
 
       integer :: b, i, first
 
-      associate (then => state%compliant%then, self => state%compliant)
+      associate (then => state%compliant%then(which), self => state%compliant)
+         call leads_to(then%leads, state%poses, state%v, state%l, state%f, state%t, state%own_f, &
+            state%own_t, state%impulse, state%angular_impulse)
          then%cycle = state%cycle
          then%time = state%time
          then%work = state%work
          then%jump = self%jump
+         then%equal = self%equal
          then%h_last = self%h_last
          then%h_stiff = self%h_stiff
          first = 1
@@ -100,23 +123,24 @@ contains
             then%field(i)%now = state%field(i)%now
          end do
       end associate
-   end subroutine keep_rest
+   end subroutine keep_all
 
-   !> Take back a whole step
+   !> Take back all since then
    subroutine undo_step(model, state)
       type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
       integer :: b, i, first
 
-      call restore_leads(state)
-      associate (then => state%compliant%then, self => state%compliant)
+      associate (then => state%compliant%then(BEFORE), self => state%compliant)
+         call leads_from(then%leads, state%poses, state%v, state%l, state%f, state%t, state%own_f, &
+            state%own_t, state%impulse, state%angular_impulse)
          state%cycle = then%cycle
          state%time = then%time
          state%poses%time = then%time
          state%work = then%work
          self%jump = then%jump
-         self%equal = 0                          ! multipliers of three steps before are gone
+         self%equal = then%equal
          self%h_last = then%h_last
          self%h_stiff = then%h_stiff
          first = 1
@@ -144,13 +168,13 @@ contains
       end associate
    end subroutine undo_step
 
-   !> Energies and multipliers g of a batch; of explicit rows (moved) their rates and forces too
+   !> Energies and multipliers of a batch; of explicit rows (moved) their rates and forces too
    pure subroutine keep_joints(n_joint, moved, joint, rows, kept)
       integer, intent(in) :: n_joint
       logical, intent(in) :: moved
       type(consistent_joint_t), intent(in) :: joint
       type(compliant_joint_t), intent(in) :: rows
-      real(wp), intent(inout) :: kept(:, :, :)   !! (BLOCK, 27, blocks and more)
+      real(wp), intent(inout) :: kept(:, :, :)   !! (BLOCK, N_KEPT, blocks and more)
 
       integer :: at, n
 
@@ -160,14 +184,18 @@ contains
          kept(:n, 2, at) = joint%block(at)%dissipated(:n)
          kept(:n, 3, at) = rows%block(at)%elastic(:n)
          kept(:n, 4:9, at) = rows%block(at)%g(:n, :)
+         kept(:n, 10:15, at) = rows%block(at)%f_last(:n, :)
+         kept(:n, 16:21, at) = rows%block(at)%f_before(:n, :)
+         kept(:n, 22:27, at) = rows%block(at)%f_third(:n, :)
+         kept(:n, 46:51, at) = joint%block(at)%q(:n, :)
          if (.not. moved) cycle
-         kept(:n, 10:15, at) = joint%block(at)%qd(:n, :)
-         kept(:n, 16:21, at) = joint%block(at)%fe(:n, :)
-         kept(:n, 22:27, at) = joint%block(at)%fd(:n, :)
+         kept(:n, 28:33, at) = joint%block(at)%qd(:n, :)
+         kept(:n, 34:39, at) = joint%block(at)%fe(:n, :)
+         kept(:n, 40:45, at) = joint%block(at)%fd(:n, :)
       end do
    end subroutine keep_joints
 
-   !> Bring them back, and the multipliers f of the steps before
+   !> Bring them back
    pure subroutine restore_joints(n_joint, moved, kept, joint, rows)
       integer, intent(in) :: n_joint
       logical, intent(in) :: moved
@@ -183,12 +211,13 @@ contains
          joint%block(at)%dissipated(:n) = kept(:n, 2, at)
          rows%block(at)%elastic(:n) = kept(:n, 3, at)
          rows%block(at)%g(:n, :) = kept(:n, 4:9, at)
-         rows%block(at)%f_last(:n, :) = rows%block(at)%f_before(:n, :)
-         rows%block(at)%f_before(:n, :) = rows%block(at)%f_third(:n, :)
+         rows%block(at)%f_last(:n, :) = kept(:n, 10:15, at)
+         rows%block(at)%f_before(:n, :) = kept(:n, 16:21, at)
+         rows%block(at)%f_third(:n, :) = kept(:n, 22:27, at)
          if (.not. moved) cycle
-         joint%block(at)%qd(:n, :) = kept(:n, 10:15, at)
-         joint%block(at)%fe(:n, :) = kept(:n, 16:21, at)
-         joint%block(at)%fd(:n, :) = kept(:n, 22:27, at)
+         joint%block(at)%qd(:n, :) = kept(:n, 28:33, at)
+         joint%block(at)%fe(:n, :) = kept(:n, 34:39, at)
+         joint%block(at)%fd(:n, :) = kept(:n, 40:45, at)
       end do
    end subroutine restore_joints
 

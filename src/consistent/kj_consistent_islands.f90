@@ -231,7 +231,7 @@ contains
       state%energy = 0.0_wp
       do p = 1, size(part)
          call balance_ledger(part(p)%model, part(p)%state)
-         call begin_show(part(p)%model, part(p)%march%pace%h, part(p)%state)
+         call begin_show(part(p)%model, part(p)%march%pace, part(p)%state)
          call gather_leads(part(p)%cut, part(p)%state, state)
          call gather_joints(part(p)%cut, part(p)%model, model, part(p)%state, state)
          call end_show(part(p)%state)

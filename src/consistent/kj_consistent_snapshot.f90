@@ -40,7 +40,7 @@ contains
          call gather_parts(model, part, state, march)
       else
          call balance_ledger(model, state)
-         call begin_show(model, march%pace%h, state)
+         call begin_show(model, march%pace, state)
       end if
       call show_consistent_clock(model, march, state, now)
       now%counts_losses = march%integrator == COMPLIANT

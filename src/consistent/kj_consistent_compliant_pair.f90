@@ -1,0 +1,220 @@
+!> A step of fourth order: two short ones and a long one over the same time, whose errors of second
+!> order cancel in fine + (fine - coarse)/3. What lies between fine and coarse is the error of the
+!> long step.
+!> Source: docs/theory/compliant.md 4.
+module kj_consistent_compliant_pair
+   use kj_kinds, only: wp
+   use kj_block, only: BLOCK
+   use kj_consistent_state, only: consistent_model_t, consistent_state_t
+   use kj_consistent_compliant_types, only: compliant_t
+   use kj_consistent_compliant_forces, only: take_coordinates
+   use kj_consistent_compliant_pass, only: see_joints
+   use kj_consistent_compliant_start, only: find_explicit
+   use kj_consistent_compliant_step, only: compliant_step
+   use kj_consistent_compliant_undo, only: keep_all, undo_step, BEFORE, FINE
+   use kj_consistent_step, only: place_nodes
+   implicit none
+   private
+
+   public :: pair_step
+
+   real(wp), parameter :: THIRD = 1.0_wp/3.0_wp
+
+contains
+
+   !> From t to t + h; good is false, and the state that at t, when a step does not converge
+   subroutine pair_step(model, h, close_way, close_turn, state, good, way, turn, passes)
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: h
+      real(wp), intent(in) :: close_way, close_turn   !! errors that the passes are held against
+      type(consistent_state_t), intent(inout) :: state
+      logical, intent(out) :: good
+      real(wp), intent(out) :: way, turn         !! error of the long step: bodies, rad
+      integer, intent(out) :: passes
+
+      integer :: part
+
+      way = 0.0_wp
+      turn = 0.0_wp
+      passes = 0
+      call keep_all(model, BEFORE, state)
+      do part = 1, 3
+         state%compliant%e_way = close_way
+         state%compliant%e_turn = close_turn
+         state%compliant%long = part == 3
+         if (part == 3) then
+            call keep_all(model, FINE, state)
+            call undo_step(model, state)
+            call guess_long(model, state, state%compliant)
+         end if
+         call compliant_step(model, merge(h, 0.5_wp*h, part == 3), state, good)
+         state%compliant%long = .false.
+         passes = passes + state%compliant%passes
+         if (.not. good) then
+            if (part > 1) call undo_step(model, state)
+            return
+         end if
+         if (part == 1) call keep_guess(model, state%compliant)
+      end do
+      call combine(model, state, way, turn)
+   end subroutine pair_step
+
+   !> Multipliers g of the first short step, at t + h/3 as f of the long one
+   pure subroutine keep_guess(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(inout) :: self
+
+      integer :: b, at, n, first
+
+      first = 0
+      do b = 1, size(model%batch)
+         do at = 1, size(self%joint(b)%block)
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            self%then(BEFORE)%joint(:n, 46:51, first + at) = self%joint(b)%block(at)%g(:n, :)
+         end do
+         first = first + size(self%joint(b)%block)
+      end do
+   end subroutine keep_guess
+
+   pure subroutine guess_long(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_t), intent(inout) :: self
+
+      integer :: b, at, n, first
+
+      first = 0
+      do b = 1, size(model%batch)
+         do at = 1, size(self%joint(b)%block)
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            self%joint(b)%block(at)%f(:n, :) = merge(self%then(BEFORE)%joint(:n, 46:51, &
+               first + at), 0.0_wp, self%joint(b)%block(at)%k(:n, :) > 0.0_wp)
+         end do
+         first = first + size(self%joint(b)%block)
+      end do
+      self%known = state%cycle
+      self%h_known = 0.0_wp
+   end subroutine guess_long
+
+   !> The state after the long step becomes that of fourth order
+   subroutine combine(model, state, way, turn)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(out) :: way, turn
+
+      real(wp) :: most(2), angle, work
+      integer :: i, b, at, n, first
+
+      most = 0.0_wp
+      associate (fine => state%compliant%then(FINE), self => state%compliant)
+         do i = 1, model%n_lead
+            call turn_on(fine%leads%quat(i, :), state%poses%quat(i, :), angle)
+            if (.not. (model%inverse_mass(i) > 0.0_wp .or. model%inverse_inertia(i, 1) > 0.0_wp)) &
+               cycle
+            most = max(most, [sum((fine%leads%x(i, :) - state%poses%x(i, :))**2), angle])
+         end do
+         way = sqrt(most(1))
+         turn = most(2)
+         call go_on(fine%leads%x, state%poses%x)
+         call go_on(fine%leads%d, state%poses%d)
+         call go_on(fine%leads%v, state%v)
+         call go_on(fine%leads%l, state%l)
+         call go_on(fine%leads%impulse, state%impulse)
+         call go_on(fine%leads%angular_impulse, state%angular_impulse)
+         call go_on(fine%turn, state%turn)
+         work = fine%work + THIRD*(fine%work - state%work)
+         first = 0
+         do b = 1, size(model%batch)
+            do at = 1, size(state%joint(b)%block)
+               n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+               associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at))
+                  lanes%elastic(:n) = lanes%elastic(:n) + (fine%joint(:n, 3, first + at) - &
+                     rows%elastic(:n))
+                  ! of the work on rows, what is not stored
+                  lanes%dissipated(:n) = fine%joint(:n, 2, first + at) + THIRD* &
+                     (fine%joint(:n, 2, first + at) - lanes%dissipated(:n) + &
+                     fine%joint(:n, 3, first + at) - rows%elastic(:n))
+                  rows%elastic(:n) = fine%joint(:n, 3, first + at)
+                  rows%g(:n, :) = fine%joint(:n, 4:9, first + at)
+               end associate
+            end do
+            first = first + size(state%joint(b)%block)
+         end do
+         state%cycle = state%compliant%then(BEFORE)%cycle + 1
+         self%jump = fine%jump
+         self%equal = fine%equal
+         self%h_last = fine%h_last
+         self%h_stiff = fine%h_stiff
+         call place_nodes(model, state)
+         call see_joints(model, state, self)
+         call count_way(model, state, self)
+      end associate
+      call find_explicit(model, state)
+      call take_coordinates(model, state, state%compliant)
+      state%work = work
+   end subroutine combine
+
+   !> Work of the multipliers on what the coordinates of the pose differ by from those that the work
+   !> so far belongs to
+   pure subroutine count_way(model, state, self)
+      type(consistent_model_t), intent(in) :: model
+      type(consistent_state_t), intent(inout) :: state
+      type(compliant_t), intent(in) :: self
+
+      integer :: b, at, n, k, i, first
+
+      first = 0
+      do b = 1, size(model%batch)
+         do at = 1, size(state%joint(b)%block)
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            associate (rows => self%joint(b)%block(at), lanes => state%joint(b)%block(at), &
+               fine => self%then(FINE)%joint)
+               do k = 1, merge(self%last(b), 0, self%rowed(b))
+                  do i = 1, n
+                     if (rows%weight(i, k) > 0.0_wp) lanes%dissipated(i) = lanes%dissipated(i) + &
+                        rows%g(i, k)*(rows%q(i, k) - fine(i, 45 + k, first + at) - &
+                        THIRD*(fine(i, 45 + k, first + at) - lanes%q(i, k)))
+                  end do
+               end do
+            end associate
+         end do
+         first = first + size(state%joint(b)%block)
+      end do
+   end subroutine count_way
+
+   !> coarse := fine + (fine - coarse)/3
+   pure subroutine go_on(fine, coarse)
+      real(wp), intent(in) :: fine(:, :)
+      real(wp), intent(inout) :: coarse(:, :)
+
+      coarse = fine + THIRD*(fine - coarse)
+   end subroutine go_on
+
+   !> The same with attitudes, by a third of the rotation from coarse to fine; its angle
+   pure subroutine turn_on(fine, coarse, angle)
+      real(wp), intent(in) :: fine(4)
+      real(wp), intent(inout) :: coarse(4)
+      real(wp), intent(out) :: angle
+
+      real(wp) :: a(4), part, s
+
+      a = product_of(fine, [coarse(1), -coarse(2:4)])
+      s = norm2(a(2:4))
+      angle = 2.0_wp*atan2(s, abs(a(1)))
+      part = THIRD
+      if (s > 0.0_wp) part = sin(0.5_wp*THIRD*angle)/s
+      coarse = product_of([cos(0.5_wp*THIRD*angle), sign(part, a(1))*a(2:4)], fine)
+   end subroutine turn_on
+
+   !> Product of quaternions
+   pure function product_of(a, b) result(c)
+      real(wp), intent(in) :: a(4), b(4)
+      real(wp) :: c(4)
+
+      c = [a(1)*b(1) - a(2)*b(2) - a(3)*b(3) - a(4)*b(4), &
+         a(1)*b(2) + a(2)*b(1) + a(3)*b(4) - a(4)*b(3), &
+         a(1)*b(3) - a(2)*b(4) + a(3)*b(1) + a(4)*b(2), &
+         a(1)*b(4) + a(2)*b(3) - a(3)*b(2) + a(4)*b(1)]
+   end function product_of
+
+end module kj_consistent_compliant_pair
