@@ -81,7 +81,9 @@ contains
       allocate (then%joint(BLOCK, N_KEPT, sum((model%batch%n + BLOCK - 1)/BLOCK)), source=0.0_wp)
       allocate (then%limit(size(model%batch)))
       do b = 1, size(model%batch)
-         if (model%batch(b)%limited) then%limit(b)%block = state%joint(b)%limit
+         allocate (then%limit(b)%block(0), then%limit(b)%spring(0))
+         if (allocated(state%joint(b)%limit)) then%limit(b)%block = state%joint(b)%limit
+         if (allocated(state%joint(b)%spring)) then%limit(b)%spring = state%joint(b)%spring
       end do
       then%turn = state%turn
       then%motion_at = state%motion_at

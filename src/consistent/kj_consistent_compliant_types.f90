@@ -6,6 +6,7 @@ module kj_consistent_compliant_types
    use kj_block, only: BLOCK
    use kj_consistent_batch, only: matrix_t, limit_block_t
    use kj_gravity, only: gravity_t
+   use kj_spring_law, only: spring_block_t
    implicit none
    private
 
@@ -95,9 +96,10 @@ module kj_consistent_compliant_types
       real(wp), allocatable :: v_half(:, :), w_half(:, :), l_half(:, :)
    end type leads_then_t
 
-   !> Limits of a batch
+   !> Limits and hardened springs of a batch
    type :: limits_then_t
       type(limit_block_t), allocatable :: block(:)
+      type(spring_block_t), allocatable :: spring(:)
    end type limits_then_t
 
    !> All that a step changes, as it was. Coordinates and B follow from the poses.

@@ -110,9 +110,11 @@ contains
             call keep_joints(model%batch(b)%n, self%sprung(b) .or. self%damped(b), state%joint(b), &
                self%joint(b), then%joint(:, :, first:))
             first = first + size(state%joint(b)%block)
-            if (.not. allocated(state%joint(b)%limit)) cycle
-            do i = 1, size(state%joint(b)%limit)
+            do i = 1, size(then%limit(b)%block)
                then%limit(b)%block(i) = state%joint(b)%limit(i)
+            end do
+            do i = 1, size(then%limit(b)%spring)
+               then%limit(b)%spring(i) = state%joint(b)%spring(i)
             end do
          end do
          then%turn(:, :) = state%turn
@@ -148,9 +150,11 @@ contains
             call restore_joints(model%batch(b)%n, self%sprung(b) .or. self%damped(b), &
                then%joint(:, :, first:), state%joint(b), self%joint(b))
             first = first + size(state%joint(b)%block)
-            if (.not. allocated(state%joint(b)%limit)) cycle
-            do i = 1, size(state%joint(b)%limit)
+            do i = 1, size(then%limit(b)%block)
                state%joint(b)%limit(i) = then%limit(b)%block(i)
+            end do
+            do i = 1, size(then%limit(b)%spring)
+               state%joint(b)%spring(i) = then%limit(b)%spring(i)
             end do
          end do
          call place_nodes(model, state)
