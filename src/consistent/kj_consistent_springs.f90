@@ -158,6 +158,9 @@ contains
          do k = 1, max(3, batch%geometry%sprung)
             call spring(batch, curves, from, n, k, q(:, k), f(:, k))
          end do
+         do k = max(3, batch%geometry%sprung) + 1, NDOF
+            f(:n, k) = 0.0_wp
+         end do
          return
       end if
       to = from + n - 1
