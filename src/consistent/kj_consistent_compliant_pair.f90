@@ -9,6 +9,7 @@ module kj_consistent_compliant_pair
    use kj_consistent_compliant_types, only: compliant_t
    use kj_consistent_compliant_forces, only: take_coordinates
    use kj_consistent_compliant_pass, only: see_joints
+   use kj_consistent_compliant_rows, only: extrapolate
    use kj_consistent_compliant_start, only: find_explicit
    use kj_consistent_compliant_step, only: compliant_step
    use kj_consistent_compliant_undo, only: keep_all, undo_step, BEFORE, FINE
@@ -44,8 +45,10 @@ contains
          state%compliant%long = part == 3
          if (part == 3) then
             call keep_all(model, FINE, state)
+            call guess_long(model, state%compliant)
             call undo_step(model, state)
-            call guess_long(model, state, state%compliant)
+            state%compliant%known = state%cycle
+            state%compliant%h_known = 0.0_wp     ! of no step: to be improved
          end if
          call compliant_step(model, merge(h, 0.5_wp*h, part == 3), state, good)
          state%compliant%long = .false.
@@ -54,46 +57,23 @@ contains
             if (part > 1) call undo_step(model, state)
             return
          end if
-         if (part == 1) call keep_guess(model, state%compliant)
       end do
       call combine(model, state, way, turn)
    end subroutine pair_step
 
-   !> Multipliers g of the first short step, at t + h/3 as f of the long one
-   pure subroutine keep_guess(model, self)
+   !> Multipliers f of the long step, at t + h/3, from those of the short ones, at t + h/6 and 2 h/3
+   pure subroutine guess_long(model, self)
       type(consistent_model_t), intent(in) :: model
       type(compliant_t), intent(inout) :: self
 
-      integer :: b, at, n, first
+      integer :: b, at
 
-      first = 0
       do b = 1, size(model%batch)
          do at = 1, size(self%joint(b)%block)
-            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
-            self%then(BEFORE)%joint(:n, 46:51, first + at) = self%joint(b)%block(at)%g(:n, :)
+            call extrapolate(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), &
+               [THIRD, 2.0_wp*THIRD, 0.0_wp], self%joint(b)%block(at))
          end do
-         first = first + size(self%joint(b)%block)
       end do
-   end subroutine keep_guess
-
-   pure subroutine guess_long(model, state, self)
-      type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
-      type(compliant_t), intent(inout) :: self
-
-      integer :: b, at, n, first
-
-      first = 0
-      do b = 1, size(model%batch)
-         do at = 1, size(self%joint(b)%block)
-            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
-            self%joint(b)%block(at)%f(:n, :) = merge(self%then(BEFORE)%joint(:n, 46:51, &
-               first + at), 0.0_wp, self%joint(b)%block(at)%k(:n, :) > 0.0_wp)
-         end do
-         first = first + size(self%joint(b)%block)
-      end do
-      self%known = state%cycle
-      self%h_known = 0.0_wp
    end subroutine guess_long
 
    !> The state after the long step becomes that of fourth order
@@ -136,6 +116,9 @@ contains
                      fine%joint(:n, 3, first + at) - rows%elastic(:n))
                   rows%elastic(:n) = fine%joint(:n, 3, first + at)
                   rows%g(:n, :) = fine%joint(:n, 4:9, first + at)
+                  rows%f_last(:n, :) = fine%joint(:n, 10:15, first + at)
+                  rows%f_before(:n, :) = fine%joint(:n, 16:21, first + at)
+                  rows%f_third(:n, :) = fine%joint(:n, 22:27, first + at)
                end associate
             end do
             first = first + size(state%joint(b)%block)

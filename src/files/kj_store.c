@@ -507,7 +507,7 @@ static void hide_outcome(kj_store *o)
 
 /* Write the file that HDF5 holds in memory (core driver), complete but for its rows, to the empty `file`.
    `series`: where its datasets over time lie, -1 where there is none, number `time` that of time; `run`:
-   where the group of the outcome does (kj_place). live: readers may follow it (SWMR). NULL when that fails. */
+   where the group of the outcome does. live: readers may follow it (SWMR). NULL when that fails. */
 kj_store *kj_store_begin(int file, hid_t h5, size_t n_series, const int64_t *series, size_t time,
    int64_t run, int live)
 {
