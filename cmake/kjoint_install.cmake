@@ -55,7 +55,7 @@ install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONE
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT docs)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT program)
 if(KJOINT_IO AND KJOINT_STATIC_HDF5 AND KJOINT_HDF5_HAS_ARCHIVES)
-  foreach(name hdf5 lapack aec)
+  foreach(name hdf5 lapack aec zlib1g)
     string(TOUPPER KJOINT_${name}_LICENCE licence)
     find_file(${licence} NAMES copyright COPYING LICENSE PATHS /usr/share/doc/lib${name}-dev
       /usr/share/doc/${name} /usr/share/licenses/${name} NO_DEFAULT_PATH)

@@ -19,7 +19,7 @@ function(kjoint_static_hdf5 target)
   endforeach()
   # what HDF5 may be built with, and the few routines of LAPACK that are used, as archives where there are:
   # a tenth of a millisecond each; --as-needed drops what has nothing left to give
-  foreach(name sz aec lapack blas)
+  foreach(name sz aec z lapack blas)
     string(TOUPPER KJOINT_${name}_LIBRARY library)
     find_library(${library} NAMES lib${name}.a ${name} PATH_SUFFIXES ${name})
     mark_as_advanced(${library})
@@ -28,10 +28,24 @@ function(kjoint_static_hdf5 target)
     endif()
   endforeach()
   list(APPEND archives ZLIB::ZLIB ${CMAKE_DL_LIBS} m)
+  # the runtime of gfortran, too
+  set(runtime "")
+  foreach(name gomp gfortran)
+    if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU" AND NOT KJOINT_SANITIZE)
+      execute_process(COMMAND ${CMAKE_Fortran_COMPILER} -print-file-name=lib${name}.a
+        OUTPUT_VARIABLE archive OUTPUT_STRIP_TRAILING_WHITESPACE)
+      if(EXISTS "${archive}" AND name STREQUAL "gfortran")
+        set(runtime -static-libgfortran -static-libgcc)
+      elseif(EXISTS "${archive}" AND KJOINT_OPENMP)
+        list(PREPEND archives "${archive}")
+      endif()
+    endif()
+  endforeach()
 
   set(CMAKE_REQUIRED_QUIET ON)
   set(CMAKE_REQUIRED_INCLUDES ${HDF5_Fortran_INCLUDE_DIRS})
   set(CMAKE_REQUIRED_LIBRARIES ${archives})
+  set(CMAKE_REQUIRED_LINK_OPTIONS ${runtime})
   check_source_compiles(Fortran "program p
       use h5ds, only: h5dsset_scale_f
       use hdf5, only: hid_t, h5open_f
@@ -41,7 +55,7 @@ function(kjoint_static_hdf5 target)
     end program p" KJOINT_HDF5_HAS_ARCHIVES)
   if(KJOINT_HDF5_HAS_ARCHIVES)
     set_target_properties(${target} PROPERTIES SKIP_BUILD_RPATH ON)   # no folder to be searched
-    target_link_options(${target} PRIVATE -Wl,--as-needed)
+    target_link_options(${target} PRIVATE -Wl,--as-needed ${runtime})
     target_link_libraries(${target} PRIVATE ${ARGN} ${archives})
   endif()
 endfunction()

@@ -11,6 +11,10 @@
 #include "kj_chunk.h"
 #include "kj_store.h"
 
+/* Bytes of rows at the start of a history that are written as they are: packing them takes several times the
+   work of sampling them, and saves 15 to 45 % */
+enum { PLAIN = 4*1024*1024 };
+
 /* Values of a row that go to one chunk */
 typedef struct {
    size_t series, part;                      /* the dataset, which chunk of a row, from 0 */
@@ -90,14 +94,16 @@ double *kj_packer_rows(kj_packer *p)
 /* Pack and write the first `n` rows of a buffer, which follow `before`. Negative when it fails. */
 static int write_rows(kj_packer *p, size_t before, size_t n, const double *rows)
 {
+   int plain = before*p->n_value*sizeof(double) < PLAIN;
    size_t i;
 
    for (i = 0; i < p->n_column; i++) {
       const kj_column *c = &p->column[i];
-      size_t bytes = kj_pack_chunk(p->exact, c->real, c->size, c->n, c->n_full, n, p->rows_full,
+      size_t bytes = kj_pack_chunk(plain, p->exact, c->real, c->size, c->n, c->n_full, n, p->rows_full,
          rows + c->first, p->n_value, p->work, p->packed);
       if (bytes == 0 ||
-         kj_store_chunk(p->store, c->series, before/p->rows_full, c->part, bytes, p->packed) < 0) return -1;
+         kj_store_chunk(p->store, c->series, before/p->rows_full, c->part, plain, bytes,
+            p->packed) < 0) return -1;
    }
    return 0;
 }

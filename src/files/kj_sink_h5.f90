@@ -211,10 +211,19 @@ contains
          return
       end if
       self%n_held = self%n_held + 1
-      self%packer%buffer(:, self%n_held) = row
+      call keep_row(self%n_value, row, self%packer%buffer(:, self%n_held))
       if (self%n_held == self%n_chunk) call hand_over(self, error)
       call flush_in_time(self, error)
    end subroutine put_h5
+
+   !> A row into the buffer, as one piece of memory
+   pure subroutine keep_row(n, row, kept)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: row(n)
+      real(wp), intent(out) :: kept(n)
+
+      kept = row
+   end subroutine keep_row
 
    !> Flush when the next row, as far away as this one was, would come too late
    subroutine flush_in_time(self, error)

@@ -243,10 +243,11 @@ static int set_entry(kj_store *o, kj_series *s, int l, size_t i, const unsigned 
 }
 
 /* The key of a chunk, or one that no chunk of the file reaches */
-static void make_key(const kj_series *s, size_t block, size_t part, size_t n, unsigned char *key)
+static void make_key(const kj_series *s, size_t block, size_t part, int plain, size_t n, unsigned char *key)
 {
    memset(key, 0, key_size(s));
    kj_put(key, 4, n);
+   key[4] = (unsigned char)plain;            /* filters left out, a bit each */
    kj_put(key + 8, 8, block*s->chunk[0]);
    if (s->rank > 1) kj_put(key + 16, 8, part*s->chunk[1]);
 }
@@ -257,7 +258,7 @@ static void put_last_keys(kj_series *s, size_t block, size_t part)
    unsigned char key[48];
    int l, i;
 
-   make_key(s, block + 1, part + 1, 0, key);
+   make_key(s, block + 1, part + 1, 0, 0, key);
    for (i = 2; i <= s->rank; i++) kj_put(key + 8 + 8*i, 8, s->chunk[i]);
    if (s->rank == 1) kj_put(key + 16, 8, s->chunk[1]);
    for (l = 0; l < s->n_level; l++) {
@@ -267,7 +268,7 @@ static void put_last_keys(kj_series *s, size_t block, size_t part)
    }
 }
 
-int kj_store_chunk(kj_store *o, size_t series, size_t block, size_t part, size_t n,
+int kj_store_chunk(kj_store *o, size_t series, size_t block, size_t part, int plain, size_t n,
    const unsigned char *packed)
 {
    kj_series *s = &o->series[series];
@@ -276,7 +277,7 @@ int kj_store_chunk(kj_store *o, size_t series, size_t block, size_t part, size_t
    uint64_t address, end;
 
    if (i > s->n_chunk) return -1;
-   make_key(s, block, part, n, key);
+   make_key(s, block, part, plain, n, key);
    if (i < s->n_chunk) before = key_of(s, &s->level[0].node[i/FAN], i % FAN);
    if (!before && i/FAN == s->level[0].n && add_node(o, s, 0, key) < 0) return -1;
    end = o->end;

@@ -226,11 +226,10 @@ contains
       real(wp), intent(inout) :: last(:, :)
       real(wp), contiguous, intent(inout) :: y(:, :)
 
-      real(wp) :: from(BLOCK, 9), to(BLOCK, 9), r(BLOCK, 9), q(BLOCK, 4)
+      real(wp), dimension(min(BLOCK, size(roster%place)), 9) :: from, to, r
+      real(wp) :: q(size(r, 1), 4)
       integer :: i, k, n, first
 
-      from = 0.0_wp
-      to = 0.0_wp
       do first = 1, size(roster%place), BLOCK
          n = min(BLOCK, size(roster%place) - first + 1)
          associate (body => roster%place(first:first + n - 1), entity => roster%entity(first:))
@@ -242,7 +241,7 @@ contains
                      to(:, i + 6)*from(:, k + 6)
                end do
             end do
-            call to_quaternions(BLOCK, r, q)
+            call to_quaternions(size(r, 1), r, q)
             do i = 1, n
                associate (quat => last(:, body(i)))
                   quat = sign(1.0_wp, dot_product(q(i, :), quat))*q(i, :)
@@ -382,10 +381,9 @@ contains
       type(roster_t), intent(in) :: roster
       real(wp), contiguous, intent(inout) :: y(:, :)
 
-      real(wp) :: r(BLOCK, 9), q(BLOCK, 4)
+      real(wp) :: r(min(BLOCK, size(roster%place)), 9), q(size(r, 1), 4)
       integer :: i, n, first
 
-      r = 0.0_wp
       do first = 1, size(roster%place), BLOCK
          n = min(BLOCK, size(roster%place) - first + 1)
          call take_block(e, roster%place(first:first + n - 1), r)
@@ -394,7 +392,7 @@ contains
             r(:, 8) = r(:, 3)*r(:, 4) - r(:, 1)*r(:, 6)
             r(:, 9) = r(:, 1)*r(:, 5) - r(:, 2)*r(:, 4)
          end if
-         call to_quaternions(BLOCK, r, q)
+         call to_quaternions(size(r, 1), r, q)
          do i = 1, n
             y(:, roster%entity(first + i - 1)) = q(i, :)
          end do
