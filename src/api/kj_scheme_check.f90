@@ -112,33 +112,31 @@ contains
       type(extremes_t), intent(in) :: x
       type(finding_list_t), intent(inout) :: findings
 
-      character(len=:), allocatable :: title
       real(wp) :: arm
       integer :: k
 
       if (.not. allocated(x%give)) return
       do k = 1, size(x%give, 2)
          arm = longer_arm(model, model%joint(model%th_joint(k))%node)
-         title = 'joint '//entity_title(history, OF_JOINT, k)//' gave way by '
          if (x%give(1, k) > MOST*arm .and. arm > 0.0_wp) then
-            call warn(title//str(nint(min(1.0e9_wp, 100.0_wp*x%give(1, k)/arm)))// &
+            call warn(str(nint(min(1.0e9_wp, 100.0_wp*x%give(1, k)/arm)))// &
                ' % of its arm, '//two(x%give(1, k))// &
                ' of '//two(arm))
          else if (x%give(2, k) > MOST) then
-            call warn(title//two(x%give(2, k))//' rad in a blocked rotation')
+            call warn(two(x%give(2, k))//' rad in a blocked rotation')
          end if
       end do
 
    contains
 
-      subroutine warn(message)
-         character(len=*), intent(in) :: message
+      subroutine warn(way)
+         character(len=*), intent(in) :: way
 
          type(error_t) :: finding
 
          finding%severity = SEV_WARNING
          finding%id = 'KJ-9302'
-         finding%message = message
+         finding%message = 'joint '//entity_title(history, OF_JOINT, k)//' gave way by '//way
          finding%hint = 'raise Kn, or read the results with that in mind'
          call add_finding(findings, finding)
       end subroutine warn

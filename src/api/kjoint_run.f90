@@ -249,7 +249,7 @@ contains
       logical :: wanted
 
       call monitor%wants_state(ended, wanted)
-      if (.not. allocated(left)) then
+      if (.not. (ended .or. allocated(left))) then
          if (leaves_path(sim%model%model_t, sim%scheme)) call save_scene(sim%options, &
             sim%history, sim%rows, sim%model, sim%scheme, sim%sampler, .false., left)
       end if

@@ -184,9 +184,10 @@ contains
          call keep_integer(self, bounds(i, 1))
          call keep_integer(self, bounds(i, 2))
          many = many*max(0_int64, int(bounds(i, 2), int64) - bounds(i, 1) + 1)
-         if (many > size(self%byte, kind=int64)) exit
+         if (self%saving) cycle
+         self%damaged = self%damaged .or. many > size(self%byte, kind=int64)
+         if (self%damaged) exit
       end do
-      if (.not. self%saving) self%damaged = self%damaged .or. many > size(self%byte, kind=int64)
       if (is_allocated) self%damaged = self%damaged .or. any(had /= bounds)
       there = .not. self%damaged
    end subroutine keep_bounds

@@ -593,7 +593,8 @@ contains
 
       root = sqrt(k)
       a = s*spread(root, 2, 6)*spread(root, 1, 6)
-      call largest_eigenvalue(6, a, lambda)
+      lambda = 0.0_wp
+      if (any(k > 0.0_wp)) call largest_eigenvalue(6, a, lambda)
    end function eigenvalue
 
 end module kj_consistent_safe_step
