@@ -25,14 +25,21 @@ module kj_h5
    use kj_kinds, only: wp
    use kj_error, only: error_t, fail, str, ERR_FILE
    use kj_channels, only: AS_F64, AS_I64, AS_I32, AS_I8
-   use kj_text, only: text_t
    implicit none
    private
 
    public :: hid_t, start_hdf5, hdf5_version, create_file, open_file, close_file
    public :: create_group, close_object, find_place, has_link, link_to
-   public :: put_text, put_texts, put_number, put_numbers
-   public :: check, start_object, file_type, make_space, utf8_type, c_texts   ! for kj_h5_*
+   public :: put_text, put_number, put_numbers
+   public :: check, start_object, file_type, make_space, utf8_type, put_attribute   ! for kj_h5_*
+
+   !> What the many attributes and datasets of one file share: making each anew takes a tenth of all
+   !> work of a small history. By start_forms of kj_h5_write.
+   type, public :: forms_t
+      integer(hid_t) :: text = -1, scalar = -1     !! type of every text, space of one value
+      integer(hid_t) :: series = -1, fixed = -1    !! creation of datasets over time, of others
+      integer(hid_t) :: transfer = -1              !! how values of the latter are written
+   end type forms_t
 
    integer, parameter :: MOST_INLINE = 64    !! attributes or links kept in an object's header
    integer(size_t), parameter :: CORE_INCREMENT = 256*1024      !! by which a file in memory grows
@@ -272,60 +279,31 @@ contains
       call check(status, 'make a text type', error)
    end subroutine utf8_type
 
-   !> Texts as C has them: one buffer, each text ended by a null, and pointers to their starts
-   subroutine c_texts(texts, buffer, pointers)
-      type(text_t), intent(in) :: texts(:)
-      character(kind=c_char), allocatable, target, intent(out) :: buffer(:)
-      type(c_ptr), allocatable, intent(out) :: pointers(:)
-
-      integer :: i, j, n
-
-      n = 0
-      do i = 1, size(texts)
-         n = n + len(texts(i)%s) + 1
-      end do
-      allocate (buffer(n), pointers(size(texts)))
-      n = 0
-      do i = 1, size(texts)
-         pointers(i) = c_loc(buffer(n + 1))
-         do j = 1, len(texts(i)%s)
-            buffer(n + j) = texts(i)%s(j:j)
-         end do
-         n = n + len(texts(i)%s) + 1
-         buffer(n) = c_null_char
-      end do
-   end subroutine c_texts
-
    !> Set an attribute to a text
-   subroutine put_text(id, name, text, error)
+   subroutine put_text(id, name, text, error, forms)
       integer(hid_t), intent(in) :: id
       character(len=*), intent(in) :: name, text
       type(error_t), allocatable, intent(inout) :: error
+      type(forms_t), intent(in), optional :: forms !! of the file, where many are set
 
-      type(text_t) :: texts(1)
-
-      texts(1)%s = text
-      call put_texts(id, name, texts, [integer ::], error)
-   end subroutine put_text
-
-   !> Set an attribute to texts of a shape, none for a single one
-   subroutine put_texts(id, name, texts, dims, error)
-      integer(hid_t), intent(in) :: id
-      character(len=*), intent(in) :: name
-      type(text_t), intent(in) :: texts(:)
-      integer, intent(in) :: dims(:)
-      type(error_t), allocatable, intent(inout) :: error
-
-      character(kind=c_char), allocatable, target :: buffer(:)
-      type(c_ptr), allocatable, target :: pointers(:)
+      character(kind=c_char), target :: buffer(len(text) + 1)
+      type(c_ptr), target :: pointer
       integer(hid_t) :: utf8
-      integer :: ignored
+      integer :: i, ignored
 
-      call utf8_type(utf8, error)
-      call c_texts(texts, buffer, pointers)
-      call put_attribute(id, name, utf8, utf8, dims, c_loc(pointers), error)
-      if (utf8 > 0) call h5tclose_f(utf8, ignored)
-   end subroutine put_texts
+      do i = 1, len(text)
+         buffer(i) = text(i:i)
+      end do
+      buffer(len(text) + 1) = c_null_char
+      pointer = c_loc(buffer)
+      if (present(forms)) then
+         call set_attribute(id, name, forms%text, forms%text, forms%scalar, c_loc(pointer), error)
+      else
+         call utf8_type(utf8, error)
+         call put_attribute(id, name, utf8, utf8, [integer ::], c_loc(pointer), error)
+         if (utf8 > 0) call h5tclose_f(utf8, ignored)
+      end if
+   end subroutine put_text
 
    !> Set an attribute to a number
    subroutine put_number(id, name, kind, value, error)
@@ -353,7 +331,7 @@ contains
          c_loc(values), error)
    end subroutine put_numbers
 
-   !> Create an attribute, in place of one of that name
+   !> Create an attribute of a shape, in place of one of that name
    subroutine put_attribute(id, name, stored, memory, dims, values, error)
       integer(hid_t), intent(in) :: id, stored, memory       !! types in the file and of `values`
       character(len=*), intent(in) :: name
@@ -361,21 +339,36 @@ contains
       type(c_ptr), intent(in) :: values
       type(error_t), allocatable, intent(inout) :: error
 
-      integer(hid_t) :: space, attribute
+      integer(hid_t) :: space
       integer :: status, ignored
 
       if (allocated(error)) return
-      attribute = -1
       call make_space(dims, space, status)
-      if (status >= 0) call h5acreate_f(id, name, stored, space, attribute, status)
+      call check(status, 'write the attribute '//name, error)
+      call set_attribute(id, name, stored, memory, space, values, error)
+      if (space > 0) call h5sclose_f(space, ignored)
+   end subroutine put_attribute
+
+   !> The same in a space that is there
+   subroutine set_attribute(id, name, stored, memory, space, values, error)
+      integer(hid_t), intent(in) :: id, stored, memory, space
+      character(len=*), intent(in) :: name
+      type(c_ptr), intent(in) :: values
+      type(error_t), allocatable, intent(inout) :: error
+
+      integer(hid_t) :: attribute
+      integer :: status, ignored
+
+      if (allocated(error)) return
+      call h5acreate_f(id, name, stored, space, attribute, status)
       if (status < 0) then                         ! there is one of that name
+         attribute = -1
          call h5adelete_f(id, name, status)
          if (status >= 0) call h5acreate_f(id, name, stored, space, attribute, status)
       end if
       if (status >= 0) call h5awrite_f(attribute, memory, values, status)
       if (attribute > 0) call h5aclose_f(attribute, ignored)
-      if (space > 0) call h5sclose_f(space, ignored)
       call check(status, 'write the attribute '//name, error)
-   end subroutine put_attribute
+   end subroutine set_attribute
 
 end module kj_h5

@@ -14,9 +14,9 @@ module kj_h5_layout
    use kj_history, only: history_t, n_entity, variable_t
    use kj_text, only: text_t, as_utf8, is_plain
    use kj_h5, only: hid_t, close_object, find_place, put_text, create_group, has_link, link_to, &
-      put_texts, put_number, put_numbers
+      put_number, put_numbers, forms_t
    use kj_h5_write, only: make_scale, attach_scales, close_scale, write_numbers, write_texts, &
-      start_series, end_series, create_series, write_text, new_scales, free_scales
+      start_forms, end_forms, create_series, write_text, put_texts, new_scales, free_scales
    use kj_version, only: KJOINT_VERSION
    use kj_sha256, only: add_text, digest_of, sha256_t
    implicit none
@@ -34,7 +34,7 @@ module kj_h5_layout
    type :: group_scope_t
       integer(hid_t) :: group = -1
       type(c_ptr) :: scales = C_NULL_PTR                       !! that are open, of all groups
-      integer(hid_t) :: series = -1                            !! how datasets over time are made
+      type(forms_t) :: forms                                   !! what is made alike
       integer(hid_t) :: time = -1, entity = -1                 !! the scales
       integer(hid_t) :: axis = -1, quaternion = -1, axis6 = -1   !! those over components
       integer(hid_t) :: principal = -1                         !! that over principal axes
@@ -72,29 +72,32 @@ contains
       integer, intent(in) :: owner
       type(error_t), allocatable, intent(inout) :: error
 
-      call write_number_scale(scope%group, trim(groups(owner)%entity), history%entity(owner)%id, &
-         'user id of the '//trim(ID_OF(owner)), scope%entity, error)
-      call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
-      if (has_variable(history, owner, 4)) call write_component_scale(scope%group, &
-         ['w', 'x', 'y', 'z'], 'component of the quaternion', scope%quaternion, error)
-      if (allocated(history%entity(owner)%axes)) call write_number_scale(scope%group, 'principal', &
-         [1, 2, 3], 'principal axis', scope%principal, error)
-      if (has_variable(history, owner, 6)) call write_component_scale(scope%group, DOF_NAME, &
-         'direction of the joint', scope%axis6, error)
+      associate (g => scope%group, f => scope%forms, e => history%entity(owner))
+         call write_number_scale(g, f, trim(groups(owner)%entity), e%id, 'user id of the '// &
+            trim(ID_OF(owner)), scope%entity, error)
+         call write_component_scale(g, f, ['x', 'y', 'z'], 'component', scope%axis, error)
+         if (has_variable(history, owner, 4)) call write_component_scale(g, f, &
+            ['w', 'x', 'y', 'z'], 'component of the quaternion', scope%quaternion, error)
+         if (allocated(e%axes)) call write_number_scale(g, f, 'principal', [1, 2, 3], &
+            'principal axis', scope%principal, error)
+         if (has_variable(history, owner, 6)) call write_component_scale(g, f, DOF_NAME, &
+            'direction of the joint', scope%axis6, error)
+      end associate
    end subroutine write_scales
 
    !> Write a scale of integers and leave it open
-   subroutine write_number_scale(group, name, values, meaning, id, error)
+   subroutine write_number_scale(group, forms, name, values, meaning, id, error)
       integer(hid_t), intent(in) :: group
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: name, meaning
       integer, intent(in) :: values(:)
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
 
-      call write_numbers(group, name, AS_I32, [size(values)], real(values, wp), id, error)
+      call write_numbers(group, forms, name, AS_I32, [size(values)], real(values, wp), id, error)
       call make_scale(id, name, error)
-      call put_text(id, 'units', '1', error)
-      call put_text(id, 'long_name', meaning, error)
+      call put_text(id, 'units', '1', error, forms)
+      call put_text(id, 'long_name', meaning, error, forms)
    end subroutine write_number_scale
 
    !> A variable of this owner has n_comp components
@@ -107,8 +110,9 @@ contains
    end function has_variable
 
    !> Write the scale over components, a name each, and leave it open
-   subroutine write_component_scale(group, components, meaning, id, error)
+   subroutine write_component_scale(group, forms, components, meaning, id, error)
       integer(hid_t), intent(in) :: group
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: components(:), meaning
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
@@ -119,9 +123,9 @@ contains
       do i = 1, size(components)
          names(i)%s = trim(components(i))
       end do
-      call write_texts(group, component_name(size(components)), names, id, error)
+      call write_texts(group, forms, component_name(size(components)), names, id, error)
       call make_scale(id, component_name(size(components)), error)
-      call put_text(id, 'long_name', meaning, error)
+      call put_text(id, 'long_name', meaning, error, forms)
    end subroutine write_component_scale
 
    !> Write labels and numbers of the entities; texts become @coordinates of the scope
@@ -213,9 +217,9 @@ contains
          utf8(i)%s = ''
          if (allocated(texts(i)%s)) utf8(i)%s = as_utf8(texts(i)%s)
       end do
-      call write_texts(scope%group, name, utf8, id, error)
+      call write_texts(scope%group, scope%forms, name, utf8, id, error)
       call attach_scales(scope%scales, id, [scope%entity], error)
-      call put_text(id, 'long_name', meaning, error)
+      call put_text(id, 'long_name', meaning, error, scope%forms)
       call close_object(id, error)
       if (len(scope%coordinates) > 0) scope%coordinates = scope%coordinates//' '
       scope%coordinates = scope%coordinates//name
@@ -247,10 +251,10 @@ contains
 
       stored = AS_F64
       if (present(kind)) stored = kind
-      call write_numbers(scope%group, name, stored, dims, values, id, error)
+      call write_numbers(scope%group, scope%forms, name, stored, dims, values, id, error)
       call attach_scales(scope%scales, id, scales, error)
-      call put_text(id, 'units', units, error)
-      call put_text(id, 'long_name', meaning, error)
+      call put_text(id, 'units', units, error, scope%forms)
+      call put_text(id, 'long_name', meaning, error, scope%forms)
       call close_object(id, error)
    end subroutine write_constant
 
@@ -273,7 +277,7 @@ contains
       call put_root_attributes(file, history, all_input, error)
       root%group = file
       root%scales = new_scales()
-      call start_series(root%series, error)
+      call start_forms(root%forms, error)
       root%coordinates = ''
       i = findloc(history%variable%channel, CH_TIME, 1)
       call write_variable(root, history, history%variable(i), n_chunk, root%time, series(i), error)
@@ -288,8 +292,8 @@ contains
       if (allocated(history%shape%body)) call write_shape(root, history, error)
       call close_scale(root%scales, root%time, error)
       call free_scales(root%scales)
-      call end_series(root%series)
-      call write_input(file, history, input, error)
+      call write_input(file, root%forms, history, input, error)
+      call end_forms(root%forms)
    end subroutine write_layout
 
    !> SHA-256 of all decks one after the other, and of each. Of the first of several, or the only
@@ -358,9 +362,9 @@ contains
       call create_group(root%group, trim(groups(owner)%path), scope%group, error)
       scope%time = root%time
       scope%scales = root%scales
-      scope%series = root%series
+      scope%forms = root%forms
       call put_text(scope%group, 'NX_class', 'NXdata', error)
-      call put_signal(scope%group, history, owner, error)
+      call put_signal(scope, history, owner, error)
       if (root%time >= 0) call link_to(root%group, '/time', scope%group, 'time', error)
       call write_scales(scope, history, owner, error)
       call write_constants(scope, history, owner, error)
@@ -389,8 +393,10 @@ contains
       associate (s => history%shape)
          if (size(s%body) == 0) return
          scope%scales = root%scales
+         scope%forms = root%forms
          call open_table('point', size(s%body))
-         call write_component_scale(scope%group, ['x', 'y', 'z'], 'component', scope%axis, error)
+         call write_component_scale(scope%group, scope%forms, ['x', 'y', 'z'], 'component', &
+            scope%axis, error)
          call write_ids(scope, 'body', s%body, 'user id of the rigid body', error)
          call write_ids(scope, 'node', s%node, 'user id of the node', error)
          call write_constant(scope, 'position', shape(s%point), reshape(s%point, &
@@ -417,8 +423,8 @@ contains
          integer :: i
 
          call create_group(root%group, name, scope%group, error)
-         call write_number_scale(scope%group, name, [(i, i=0, n - 1)], 'index of the '//name, &
-            scope%entity, error)
+         call write_number_scale(scope%group, scope%forms, name, [(i, i=0, n - 1)], &
+            'index of the '//name, scope%entity, error)
       end subroutine open_table
 
       subroutine close_table()
@@ -428,8 +434,8 @@ contains
    end subroutine write_shape
 
    !> What a NeXus viewer shows first: force of joints, position of the others, else what there is
-   subroutine put_signal(group, history, owner, error)
-      integer(hid_t), intent(in) :: group
+   subroutine put_signal(scope, history, owner, error)
+      type(group_scope_t), intent(in) :: scope
       type(history_t), intent(in) :: history
       integer, intent(in) :: owner
       type(error_t), allocatable, intent(inout) :: error
@@ -447,12 +453,13 @@ contains
          if (channels(history%variable(i)%channel)%name == wanted) exit
       end do
       if (best == 0) return
-      call put_text(group, 'signal', trim(channels(history%variable(best)%channel)%name), error)
+      call put_text(scope%group, 'signal', trim(channels(history%variable(best)%channel)%name), &
+         error)
       allocate (axes(merge(2, 3, history%variable(best)%n_comp == 1)))
       axes(1)%s = 'time'
       axes(2)%s = trim(groups(owner)%entity)
       if (size(axes) == 3) axes(3)%s = component_name(history%variable(best)%n_comp)
-      call put_texts(group, 'axes', axes, [size(axes)], error)
+      call put_texts(scope%group, 'axes', axes, [size(axes)], scope%forms, error)
    end subroutine put_signal
 
    !> Shape of one row of a variable: [components, entities] as far as they are dimensions
@@ -496,7 +503,7 @@ contains
       allocate (chunk(rank))
       chunk = [dims, n_chunk]
       if (rank > 1) chunk(rank - 1) = entities_in_chunk(variable, n_chunk)
-      call create_series(scope%group, scope%series, trim(channels(variable%channel)%name), &
+      call create_series(scope%group, scope%forms, trim(channels(variable%channel)%name), &
          channels(variable%channel)%kind, dims, chunk, id, error)
       if (variable%channel == CH_TIME) then
          call make_scale(id, 'time', error)
@@ -520,32 +527,41 @@ contains
 
       integer :: i
 
-      call put_text(id, 'units', unit_text(channels(row)%dim, history%units), error)
-      call put_text(id, 'long_name', trim(channels(row)%meaning), error)
-      call put_text(id, 'channel_class', trim(channels(row)%class), error)
-      if (row == CH_TIME) call put_text(id, 'axis', 'T', error)
-      if (channels(row)%frame /= '') call put_text(id, 'frame', trim(channels(row)%frame), error)
+      call put('units', unit_text(channels(row)%dim, history%units))
+      call put('long_name', trim(channels(row)%meaning))
+      call put('channel_class', trim(channels(row)%class))
+      if (row == CH_TIME) call put('axis', 'T')
+      if (channels(row)%frame /= '') call put('frame', trim(channels(row)%frame))
       if (channels(row)%radioss /= '') &
-         call put_text(id, 'radioss_name', trim(channels(row)%radioss), error)
-      call put_text(id, 'sampled_at', sampled_at(row, history%legacy), error)
-      if (len(scope%coordinates) > 0) call put_text(id, 'coordinates', scope%coordinates, error)
+         call put('radioss_name', trim(channels(row)%radioss))
+      call put('sampled_at', sampled_at(row, history%legacy))
+      if (len(scope%coordinates) > 0) call put('coordinates', scope%coordinates)
       if (row == CH_OWNER_KIND) then
          call put_numbers(id, 'flag_values', AS_I8, [0.0_wp, 1.0_wp, 2.0_wp, 3.0_wp], error)
-         call put_text(id, 'flag_meanings', 'none node body joint', error)
+         call put('flag_meanings', 'none node body joint')
       end if
       if (row == CH_J_STATE) then
          call put_numbers(id, 'flag_values', AS_I8, [(real(i, wp), i=0, 5)], error)
-         call put_text(id, 'flag_meanings', 'free sliding sticking at_stop locked blocked', error)
+         call put('flag_meanings', 'free sliding sticking at_stop locked blocked')
       end if
       if (row == CH_FINAL) then
          call put_numbers(id, 'flag_values', AS_I8, [0.0_wp, 1.0_wp], error)
-         call put_text(id, 'flag_meanings', 'sample final_state', error)
+         call put('flag_meanings', 'sample final_state')
       end if
+
+   contains
+
+      subroutine put(name, text)
+         character(len=*), intent(in) :: name, text
+
+         call put_text(id, name, text, error, scope%forms)
+      end subroutine put
    end subroutine put_variable_attributes
 
    !> Write the deck files, a dataset each
-   subroutine write_input(file, history, digest, error)
+   subroutine write_input(file, forms, history, digest, error)
       integer(hid_t), intent(in) :: file
+      type(forms_t), intent(in) :: forms           !! of the file
       type(history_t), intent(in) :: history
       character(len=64), intent(in) :: digest(:)   !! of each
       type(error_t), allocatable, intent(inout) :: error
@@ -566,9 +582,9 @@ contains
             name = name//'~'
          end do
          if (is_plain(history%input_text(i)%s)) then
-            call write_text(group, name, history%input_text(i)%s, id, error)
+            call write_text(group, forms, name, history%input_text(i)%s, id, error)
          else
-            call write_text(group, name, as_utf8(history%input_text(i)%s), id, error)
+            call write_text(group, forms, name, as_utf8(history%input_text(i)%s), id, error)
          end if
          call put_text(id, 'sha256', digest(i), error)
          call put_text(id, 'role', history%input_role(i)%s, error)

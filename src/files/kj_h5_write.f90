@@ -10,7 +10,8 @@ module kj_h5_write
       H5T_NATIVE_DOUBLE, H5T_STD_U8LE
    use h5ds, only: h5dsset_scale_f
    use kj_error, only: error_t
-   use kj_h5, only: check, close_object, start_object, file_type, make_space, c_texts, utf8_type
+   use kj_h5, only: check, close_object, start_object, file_type, make_space, utf8_type, &
+      put_attribute, forms_t
    use, intrinsic :: iso_fortran_env, only: int8, int64
    use, intrinsic :: iso_c_binding, only: c_ptr, c_loc, c_char, c_int, c_int64_t, &
       c_null_char
@@ -19,14 +20,15 @@ module kj_h5_write
    implicit none
    private
 
-   public :: start_series, end_series, create_series, cut_series, make_scale, attach_scales, &
-      close_scale, write_numbers, write_texts, write_text, write_bytes, new_scales, free_scales
+   public :: start_forms, end_forms, create_series, cut_series, make_scale, attach_scales, &
+      close_scale, write_numbers, write_texts, write_text, write_bytes, put_texts, &
+      new_scales, free_scales
 
    integer, parameter :: DEFLATE_LEVEL = 1
 
    !> Where values are converted. The library takes 1 MB and clears it for every dataset, which is a
-   !> third of all work for a small history; here it has room for the values, up to that.
-   integer(size_t), parameter :: LEAST_BUFFER = 1024, MOST_BUFFER = 1024*1024, VALUE_BYTES = 16
+   !> third of all work for a small history.
+   integer(size_t), parameter :: CONVERTED_BYTES = 16*1024
    integer(hsize_t), parameter :: BYTES_CHUNK = 1024*1024
 
    interface
@@ -58,33 +60,42 @@ module kj_h5_write
 
 contains
 
-   !> Creation properties of datasets over time, for end_series to close
-   subroutine start_series(plist, error)
-      integer(hid_t), intent(out) :: plist
+   !> Make what the datasets of a file share, for end_forms to close
+   subroutine start_forms(forms, error)
+      type(forms_t), intent(out) :: forms
       type(error_t), allocatable, intent(inout) :: error
 
       integer :: status
 
-      plist = -1
+      call utf8_type(forms%text, error)
       if (allocated(error)) return
-      call start_object(H5P_DATASET_CREATE_F, plist, status)
-      if (status >= 0) call h5pset_shuffle_f(plist, status)
-      if (status >= 0) call h5pset_deflate_f(plist, DEFLATE_LEVEL, status)
+      call make_space([integer ::], forms%scalar, status)
+      if (status >= 0) call start_object(H5P_DATASET_CREATE_F, forms%fixed, status)
+      if (status >= 0) call start_object(H5P_DATASET_CREATE_F, forms%series, status)
+      if (status >= 0) call h5pset_shuffle_f(forms%series, status)
+      if (status >= 0) call h5pset_deflate_f(forms%series, DEFLATE_LEVEL, status)
+      if (status >= 0) call h5pcreate_f(H5P_DATASET_XFER_F, forms%transfer, status)
+      if (status >= 0) call h5pset_buffer_f(forms%transfer, CONVERTED_BYTES, status)
       call check(status, 'make ready for datasets', error)
-   end subroutine start_series
+   end subroutine start_forms
 
-   !> Close them, also after an error
-   subroutine end_series(plist)
-      integer(hid_t), intent(in) :: plist
+   !> Close it, also after an error
+   subroutine end_forms(forms)
+      type(forms_t), intent(in) :: forms
 
       integer :: ignored
 
-      if (plist > 0) call h5pclose_f(plist, ignored)
-   end subroutine end_series
+      if (forms%text > 0) call h5tclose_f(forms%text, ignored)
+      if (forms%scalar > 0) call h5sclose_f(forms%scalar, ignored)
+      if (forms%fixed > 0) call h5pclose_f(forms%fixed, ignored)
+      if (forms%series > 0) call h5pclose_f(forms%series, ignored)
+      if (forms%transfer > 0) call h5pclose_f(forms%transfer, ignored)
+   end subroutine end_forms
 
    !> Create a dataset over time and leave it open: no rows yet, last dimension unlimited
-   subroutine create_series(parent, plist, name, kind, dims, chunk, id, error)
-      integer(hid_t), intent(in) :: parent, plist  !! the latter of start_series
+   subroutine create_series(parent, forms, name, kind, dims, chunk, id, error)
+      integer(hid_t), intent(in) :: parent
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: name
       integer, intent(in) :: kind                  !! AS_ constant
       integer, intent(in) :: dims(:)               !! of one row, e.g. [axes, entities], or none
@@ -100,10 +111,11 @@ contains
       if (allocated(error)) return
       space = -1
       most = [int(dims, hsize_t), H5S_UNLIMITED_F]
-      call h5pset_chunk_f(plist, size(chunk), int(chunk, hsize_t), status)
+      call h5pset_chunk_f(forms%series, size(chunk), int(chunk, hsize_t), status)
       if (status >= 0) call h5screate_simple_f(size(chunk), &
          [int(dims, hsize_t), 0_hsize_t], space, status, most)
-      if (status >= 0) call h5dcreate_f(parent, name, file_type(kind), space, id, status, plist)
+      if (status >= 0) call h5dcreate_f(parent, name, file_type(kind), space, id, status, &
+         forms%series)
       if (space > 0) call h5sclose_f(space, ignored)
       call check(status, 'create the dataset '//name, error)
    end subroutine create_series
@@ -174,8 +186,9 @@ contains
    end subroutine close_scale
 
    !> Create a dataset of constant numbers and leave it open
-   subroutine write_numbers(parent, name, kind, dims, values, id, error)
+   subroutine write_numbers(parent, forms, name, kind, dims, values, id, error)
       integer(hid_t), intent(in) :: parent
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: name
       integer, intent(in) :: kind, dims(:)         !! AS_ constant; shape
       real(wp), contiguous, target, intent(in) :: values(:)   !! (product(dims))
@@ -184,13 +197,14 @@ contains
 
       id = -1
       if (allocated(error)) return
-      call create_fixed(parent, name, file_type(kind), H5T_NATIVE_DOUBLE, dims, c_loc(values), id, &
-         error)
+      call create_fixed(parent, forms, name, file_type(kind), H5T_NATIVE_DOUBLE, dims, &
+         c_loc(values), id, error)
    end subroutine write_numbers
 
    !> Create a dataset of texts (n) and leave it open
-   subroutine write_texts(parent, name, texts, id, error)
+   subroutine write_texts(parent, forms, name, texts, id, error)
       integer(hid_t), intent(in) :: parent
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: name
       type(text_t), intent(in) :: texts(:)
       integer(hid_t), intent(out) :: id
@@ -200,13 +214,54 @@ contains
       type(c_ptr), allocatable, target :: pointers(:)
 
       call c_texts(texts, buffer, pointers)
-      call write_pointers(parent, name, pointers, [size(texts)], id, error)
+      call write_pointers(parent, forms, name, pointers, [size(texts)], id, error)
    end subroutine write_texts
+
+   !> Texts as C has them: one buffer, each text ended by a null, and pointers to their starts
+   subroutine c_texts(texts, buffer, pointers)
+      type(text_t), intent(in) :: texts(:)
+      character(kind=c_char), allocatable, target, intent(out) :: buffer(:)
+      type(c_ptr), allocatable, intent(out) :: pointers(:)
+
+      integer :: i, j, n
+
+      n = 0
+      do i = 1, size(texts)
+         n = n + len(texts(i)%s) + 1
+      end do
+      allocate (buffer(n), pointers(size(texts)))
+      n = 0
+      do i = 1, size(texts)
+         pointers(i) = c_loc(buffer(n + 1))
+         do j = 1, len(texts(i)%s)
+            buffer(n + j) = texts(i)%s(j:j)
+         end do
+         n = n + len(texts(i)%s) + 1
+         buffer(n) = c_null_char
+      end do
+   end subroutine c_texts
+
+   !> Set an attribute to texts of a shape, none for a single one
+   subroutine put_texts(id, name, texts, dims, forms, error)
+      integer(hid_t), intent(in) :: id
+      character(len=*), intent(in) :: name
+      type(text_t), intent(in) :: texts(:)
+      integer, intent(in) :: dims(:)
+      type(forms_t), intent(in) :: forms           !! of the file
+      type(error_t), allocatable, intent(inout) :: error
+
+      character(kind=c_char), allocatable, target :: buffer(:)
+      type(c_ptr), allocatable, target :: pointers(:)
+
+      call c_texts(texts, buffer, pointers)
+      call put_attribute(id, name, forms%text, forms%text, dims, c_loc(pointers), error)
+   end subroutine put_texts
 
    !> Create a dataset of one text, without dimensions, and leave it open. It may be a large one:
    !> the only copy is that with a null at its end.
-   subroutine write_text(parent, name, text, id, error)
+   subroutine write_text(parent, forms, name, text, id, error)
       integer(hid_t), intent(in) :: parent
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: name, text
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
@@ -218,53 +273,42 @@ contains
       buffer(:len(text)) = text
       buffer(len(buffer):) = c_null_char
       pointers = c_loc(buffer)
-      call write_pointers(parent, name, pointers, [integer ::], id, error)
+      call write_pointers(parent, forms, name, pointers, [integer ::], id, error)
    end subroutine write_text
 
    !> Create a dataset of texts with the given shape, none for a scalar
-   subroutine write_pointers(parent, name, pointers, dims, id, error)
+   subroutine write_pointers(parent, forms, name, pointers, dims, id, error)
       integer(hid_t), intent(in) :: parent
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: name
       type(c_ptr), contiguous, target, intent(in) :: pointers(:)   !! to texts that end in a null
       integer, intent(in) :: dims(:)
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
 
-      integer(hid_t) :: utf8
-      integer :: ignored
-
-      id = -1
-      call utf8_type(utf8, error)
-      call create_fixed(parent, name, utf8, utf8, dims, c_loc(pointers), id, error)
-      if (utf8 > 0) call h5tclose_f(utf8, ignored)
+      call create_fixed(parent, forms, name, forms%text, forms%text, dims, c_loc(pointers), id, &
+         error)
    end subroutine write_pointers
 
    !> Create and fill a dataset of fixed shape, none for a scalar
-   subroutine create_fixed(parent, name, stored, memory, dims, values, id, error)
+   subroutine create_fixed(parent, forms, name, stored, memory, dims, values, id, error)
       integer(hid_t), intent(in) :: parent, stored, memory   !! types in the file and of `values`
+      type(forms_t), intent(in) :: forms           !! of the file
       character(len=*), intent(in) :: name
       integer, intent(in) :: dims(:)
       type(c_ptr), intent(in) :: values
       integer(hid_t), intent(out) :: id
       type(error_t), allocatable, intent(inout) :: error
 
-      integer(hid_t) :: space, plist, transfer
+      integer(hid_t) :: space
       integer :: status, ignored
 
       id = -1
       if (allocated(error)) return
-      transfer = -1
-      space = -1
-      call start_object(H5P_DATASET_CREATE_F, plist, status)
-      if (status >= 0) call make_space(dims, space, status)
-      if (status >= 0) call h5dcreate_f(parent, name, stored, space, id, status, plist)
-      if (status >= 0) call h5pcreate_f(H5P_DATASET_XFER_F, transfer, status)
-      if (status >= 0) call h5pset_buffer_f(transfer, max(LEAST_BUFFER, &
-         min(MOST_BUFFER, product(int(dims, size_t))*VALUE_BYTES)), status)
-      if (status >= 0) call h5dwrite_f(id, memory, values, status, xfer_prp=transfer)
-      if (transfer > 0) call h5pclose_f(transfer, ignored)
+      call make_space(dims, space, status)
+      if (status >= 0) call h5dcreate_f(parent, name, stored, space, id, status, forms%fixed)
+      if (status >= 0) call h5dwrite_f(id, memory, values, status, xfer_prp=forms%transfer)
       if (space > 0) call h5sclose_f(space, ignored)
-      if (plist > 0) call h5pclose_f(plist, ignored)
       call check(status, 'write the dataset '//name, error)
    end subroutine create_fixed
 
