@@ -39,7 +39,7 @@ module kj_consistent_compliant_pass
       real(wp) :: h = 0.0_wp                     !! step
       logical :: guessed = .false., changed = .false.   !! f
       real(wp) :: guess(3) = 0.0_wp              !! weights of the last f, the last first
-      real(wp) :: part = 1.0_wp                  !! of r
+      real(wp) :: part = 1.0_wp                  !! of r; ASK: that is a change of f too little for it
       logical :: first = .false.                 !! without rotations that are no rows
       logical :: at_rest = .false.               !! without forces of implicit rows
       logical :: shift = .true.                  !! CLOSE: f becomes the last one
@@ -214,6 +214,9 @@ contains
          call take_solution(n, last, .false., node, column, x, rows)
          call find_change(n, last, rows, most, force)
       case (ASK)
+         do k = 1, last
+            rows%asked(:n, k) = pass%part*rows%r(:n, k)
+         end do
          call rates(batch, last, poses%v, poses%w, from, n, rows%b, y)
          call velocity_side(n, last, pass%h, pass%at_rest, lanes%q, y, rows)
          call put_side(n, last, node, column, rows, x)
@@ -241,7 +244,7 @@ contains
             do i = 1, n
                rows%f_third(i, k) = rows%f_before(i, k)
                rows%f_before(i, k) = rows%f_last(i, k)
-               rows%f_last(i, k) = rows%f(i, k)
+               rows%f_last(i, k) = rows%f(i, k) + rows%asked(i, k)
             end do
          end do
          call take_block(n, rows%q, rows%b, lanes%q, lanes%b)

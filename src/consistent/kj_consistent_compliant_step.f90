@@ -15,7 +15,7 @@ module kj_consistent_compliant_step
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes, reach_motions
    use kj_consistent_compliant_types, only: compliant_t
-   use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate
+   use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate, correct
    use kj_consistent_compliant_matrix, only: assemble, solve_all
    use kj_consistent_compliant_forces, only: spring_forces, damper_rows, add_rests, &
       renew_locks
@@ -132,6 +132,7 @@ contains
          before = huge(before)
          scale = max(self%size, tiny(scale))
          kind = merge(2, 1, self%rigid)
+         self%left_over = 0.0_wp
          do pass = 0, MOST_PASSES(kind)
             if (pass > 0) call restore_leads(state)
             push_joints%guessed = pass == 0 .and. self%known /= state%cycle
@@ -158,6 +159,7 @@ contains
                change = max(largest(1), largest(2)/scale)
             end associate
             good = close_by .and. settled        ! what would change is too little for a new pose
+            self%left_over = merge(1.0_wp, 0.0_wp, good)
             if (good .and. see_joints%first) call look_at_joints(model, state, self)
             if (good) return
             if (self%rigid .and. pass > 1 .and. change > SLOW*before) then
@@ -318,6 +320,7 @@ contains
          self%factored = .not. self%apart
          pass%what = ASK
          pass%h = h
+         pass%part = self%left_over
          call over_joints(model, pass, state, self)
          call solve_all(.true., self)
          pass%what = GIVE
@@ -389,9 +392,25 @@ contains
          call forget_guess(model, state%compliant)
          return
       end if
+      call add_left_over(model, state%compliant)
       state%compliant%known = state%cycle
       state%compliant%h_known = h
    end subroutine look_ahead
+
+   !> Multipliers of a position stage with the change that was too little for a new pose
+   pure subroutine add_left_over(model, self)
+      type(consistent_model_t), intent(in) :: model
+      type(compliant_t), intent(inout) :: self
+
+      integer :: b, at
+
+      do b = 1, size(model%batch)
+         do at = 1, merge(size(self%joint(b)%block), 0, self%rowed(b))
+            call correct(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), &
+               self%left_over, self%joint(b)%block(at))
+         end do
+      end do
+   end subroutine add_left_over
 
    !> Multipliers that did not converge may be no numbers: those of the last step instead
    pure subroutine forget_guess(model, self)

@@ -30,7 +30,8 @@ module kj_consistent_compliant_types
       real(wp) :: f_last(BLOCK, 6) = 0.0_wp      !! that of the last step
       real(wp) :: f_before(BLOCK, 6) = 0.0_wp    !! that of the step before
       real(wp) :: f_third(BLOCK, 6) = 0.0_wp     !! and before that
-      real(wp) :: asked(BLOCK, 6) = 0.0_wp       !! change of f that the last pass asked for
+      !> change of f that the last pass asked for; after the position stage, what is not in f of it
+      real(wp) :: asked(BLOCK, 6) = 0.0_wp
       real(wp) :: g(BLOCK, 6) = 0.0_wp           !! multipliers of the velocity stage
       real(wp) :: force(BLOCK, 6) = 0.0_wp       !! of implicit rows at the last time shown
       real(wp) :: rest(BLOCK, 6) = 0.0_wp        !! forces of dampers beside their rows
@@ -172,6 +173,7 @@ module kj_consistent_compliant_types
       real(wp) :: e_way = 0.0_wp, e_turn = 0.0_wp   !! estimated error of the last step
       integer :: passes = 0                      !! of the last step
       integer :: joint_worst = 0                 !! that did not converge, index among all
+      real(wp) :: left_over = 0.0_wp             !! part of the last change of f that is not in it
       logical :: failed = .false.                !! steps came to an end
       real(wp) :: loss = 0.0_wp                  !! kinetic energy that the start took
       real(wp) :: kinetic = 0.0_wp               !! that there was before
