@@ -285,9 +285,7 @@ contains
                      if (holds .eqv. rows%k(i, k) > 0.0_wp) cycle
                      changed = .true.
                      rows%f(i, k) = 0.0_wp
-                     rows%f_last(i, k) = 0.0_wp
-                     rows%f_before(i, k) = 0.0_wp
-                     rows%f_third(i, k) = 0.0_wp
+                     rows%rise(i, k) = 0.0_wp
                      rows%g(i, k) = 0.0_wp
                      rows%k(i, k) = 0.0_wp
                      rows%c(i, k) = 0.0_wp

@@ -36,7 +36,7 @@ module kj_consistent_compliant_march
    real(wp), parameter :: USUAL = 1.0e-3_wp      !! at once is no error; less below this tolerance
 
    ! Steps of fourth order
-   real(wp), parameter :: SHARE = 10.0_wp        !! CLOSE of it: of the allowed error, in a pass
+   real(wp), parameter :: SHARE = 30.0_wp        !! CLOSE of it: of the allowed error, in a pass
    real(wp), parameter :: MOST_TOLERANCE = 0.1_wp   !! above it the error is none of the business
    real(wp), parameter :: FADE = 0.7_wp          !! of the largest error of late, in a step
    real(wp), parameter :: DOUBT = 0.8_wp         !! of solves, below which the order changes

@@ -58,21 +58,30 @@ contains
             return
          end if
       end do
+      state%compliant%e_way = close_way
+      state%compliant%e_turn = close_turn
       call combine(model, state, way, turn)
    end subroutine pair_step
 
-   !> Multipliers f of the long step, at t + h/3, from those of the short ones, at t + h/6 and 2 h/3
+   !> Multipliers f of the long step: they rise from those of t - h/6 to those of t + h/3, the first
+   !> short step's to t + h/6, the second's from t + h/3 to t + 2 h/3
    pure subroutine guess_long(model, self)
       type(consistent_model_t), intent(in) :: model
       type(compliant_t), intent(inout) :: self
 
-      integer :: b, at
+      integer :: b, at, n, first
 
+      first = 0
       do b = 1, size(model%batch)
          do at = 1, size(self%joint(b)%block)
-            call extrapolate(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), self%last(b), &
-               [THIRD, 2.0_wp*THIRD, 0.0_wp], self%joint(b)%block(at))
+            n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+            associate (rows => self%joint(b)%block(at))
+               rows%g(:n, :) = self%then(BEFORE)%joint(:n, 4:9, first + at)
+               rows%rise(:n, :) = 0.25_wp*rows%rise(:n, :) + 1.25_wp*rows%rise_before(:n, :)
+               call extrapolate(n, self%last(b), 1.0_wp, rows)
+            end associate
          end do
+         first = first + size(self%joint(b)%block)
       end do
    end subroutine guess_long
 
@@ -116,16 +125,13 @@ contains
                      fine%joint(:n, 3, first + at) - rows%elastic(:n))
                   rows%elastic(:n) = fine%joint(:n, 3, first + at)
                   rows%g(:n, :) = fine%joint(:n, 4:9, first + at)
-                  rows%f_last(:n, :) = fine%joint(:n, 10:15, first + at)
-                  rows%f_before(:n, :) = fine%joint(:n, 16:21, first + at)
-                  rows%f_third(:n, :) = fine%joint(:n, 22:27, first + at)
+                  rows%rise(:n, :) = fine%joint(:n, 10:15, first + at)
                end associate
             end do
             first = first + size(state%joint(b)%block)
          end do
          state%cycle = state%compliant%then(BEFORE)%cycle + 1
          self%jump = fine%jump
-         self%equal = fine%equal
          self%h_last = fine%h_last
          self%h_stiff = fine%h_stiff
          call place_nodes(model, state)
@@ -155,8 +161,8 @@ contains
                do k = 1, merge(self%last(b), 0, self%rowed(b))
                   do i = 1, n
                      if (rows%weight(i, k) > 0.0_wp) lanes%dissipated(i) = lanes%dissipated(i) + &
-                        rows%g(i, k)*(rows%q(i, k) - fine(i, 45 + k, first + at) - &
-                        THIRD*(fine(i, 45 + k, first + at) - lanes%q(i, k)))
+                        rows%g(i, k)*(rows%q(i, k) - fine(i, 15 + k, first + at) - &
+                        THIRD*(fine(i, 15 + k, first + at) - lanes%q(i, k)))
                   end do
                end do
             end associate

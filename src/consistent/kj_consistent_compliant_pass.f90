@@ -38,11 +38,11 @@ module kj_consistent_compliant_pass
       integer :: what = LOOK
       real(wp) :: h = 0.0_wp                     !! step
       logical :: guessed = .false., changed = .false.   !! f
-      real(wp) :: guess(3) = 0.0_wp              !! weights of the last f, the last first
+      real(wp) :: guess = 0.0_wp                 !! part of the last rise
       real(wp) :: part = 1.0_wp                  !! of r; ASK: that is a change of f too little for it
       logical :: first = .false.                 !! without rotations that are no rows
       logical :: at_rest = .false.               !! without forces of implicit rows
-      logical :: shift = .true.                  !! CLOSE: f becomes the last one
+      logical :: shift = .false.                 !! ASK: the rise is that of the last step
       real(wp) :: most(2) = 0.0_wp               !! SEE: residual, TAKE: change of f
       real(wp) :: force(2) = 0.0_wp              !! TAKE: f after it
    end type pass_t
@@ -70,7 +70,6 @@ contains
       type(pass_t) :: pass
 
       pass%what = CLOSE
-      pass%shift = .not. self%long
       pass%h = h
       call over_joints(model, pass, state, self)
    end subroutine close_rows
@@ -214,8 +213,9 @@ contains
          call take_solution(n, last, .false., node, column, x, rows)
          call find_change(n, last, rows, most, force)
       case (ASK)
-         do k = 1, last
-            rows%asked(:n, k) = pass%part*rows%r(:n, k)
+         do k = 1, merge(last, 0, pass%shift)
+            rows%rise_before(:n, k) = rows%rise(:n, k)
+            rows%rise(:n, k) = (rows%f(:n, k) + pass%part*rows%r(:n, k)) - rows%g(:n, k)
          end do
          call rates(batch, last, poses%v, poses%w, from, n, rows%b, y)
          call velocity_side(n, last, pass%h, pass%at_rest, lanes%q, y, rows)
@@ -239,14 +239,6 @@ contains
             call rates(batch, NDOF, start%v_half, start%w_half, from, n, rows%b, y)
             call take_power(n, pass%h, explicit, lanes%fd, y, lanes%dissipated)
          end if
-         do k = 1, merge(last, 0, pass%shift)
-            !$omp simd
-            do i = 1, n
-               rows%f_third(i, k) = rows%f_before(i, k)
-               rows%f_before(i, k) = rows%f_last(i, k)
-               rows%f_last(i, k) = rows%f(i, k) + rows%asked(i, k)
-            end do
-         end do
          call take_block(n, rows%q, rows%b, lanes%q, lanes%b)
       end select
    end subroutine over

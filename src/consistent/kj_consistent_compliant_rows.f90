@@ -66,11 +66,12 @@ contains
       end do
    end subroutine weigh_rows
 
-   !> First guess of the multipliers from those of the last three steps
-   pure subroutine extrapolate(n, last, w, rows)
+   !> First guess of the multipliers f of a step: g of the last one, which belongs to the pose that
+   !> it begins in, and part of the last rise from there on
+   pure subroutine extrapolate(n, last, part, rows)
       integer, value :: n
       integer, intent(in) :: last                !! rows from 1 to this, 3 or 6
-      real(wp), intent(in) :: w(3)               !! their weights, the last first
+      real(wp), intent(in) :: part
       type(compliant_block_t), intent(inout) :: rows
 
       integer :: i, k
@@ -78,8 +79,8 @@ contains
       do k = 1, last
          !$omp simd
          do i = 1, n
-            rows%f(i, k) = w(1)*rows%f_last(i, k) + w(2)*rows%f_before(i, k) + &
-               w(3)*rows%f_third(i, k)
+            rows%f(i, k) = merge(rows%g(i, k) + part*rows%rise(i, k), 0.0_wp, &
+               rows%weight(i, k) > 0.0_wp)
          end do
       end do
    end subroutine extrapolate

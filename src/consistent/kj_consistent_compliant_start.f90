@@ -37,8 +37,9 @@ contains
 
       type(pass_t) :: pass
       real(wp) :: mean(size(model%motion)), final(size(model%motion)), before, work, &
-         guess(3)
+         guess
       logical :: active(size(model%motion)), good, changed
+      integer :: b, at
 
       work = state%work
       before = kinetic(model, state)
@@ -71,6 +72,11 @@ contains
             self%loss = before - kinetic(model, state)
             self%kinetic = before
          end if
+         do b = 1, size(model%batch)             ! these were no forces that go on
+            do at = 1, size(self%joint(b)%block)
+               self%joint(b)%block(at)%g = 0.0_wp
+            end do
+         end do
          self%jump = 0
       end associate
       call find_explicit(model, state)

@@ -85,7 +85,6 @@ contains
          call close_rows(model, h, state, self)
          self%known = -1
          if (self%long) return
-         self%equal = merge(1, self%equal + 1, abs(h - self%h_last) > 0.0_wp)
          self%h_last = h
          self%h_stiff = longest_step(self%h_stiff, h)
          self%jump = self%jump + 1
@@ -157,7 +156,7 @@ contains
                settled = largest(1) <= CLOSE*force + LAST_BITS*scale*self%stiffest(1) .and. &
                   largest(2) <= scale*CLOSE*force + LAST_BITS*self%stiffest(2)
                change = max(largest(1), largest(2)/scale)
-            end associate
+               end associate
             good = close_by .and. settled        ! what would change is too little for a new pose
             self%left_over = merge(1.0_wp, 0.0_wp, good)
             if (good .and. see_joints%first) call look_at_joints(model, state, self)
@@ -180,7 +179,7 @@ contains
       logical, intent(in) :: active(:)
       type(consistent_state_t), intent(inout) :: state
       type(compliant_t), intent(inout) :: self
-      real(wp), intent(out) :: guess(3)          !! weights of the last f, the last first
+      real(wp), intent(out) :: guess             !! part of the last rise
       logical, intent(out) :: good
 
       real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ends, stiff
@@ -194,10 +193,8 @@ contains
       if (anew) self%stiffest = 0.0_wp
       stiff = longest_step(self%h_stiff, h)
       if (self%long) stiff = 2.0_wp*longest_step(self%h_stiff, 0.5_wp*h)
-      guess = [1.0_wp, 0.0_wp, 0.0_wp]
-      if (self%jump >= 2) guess(:2) = [1.0_wp + h/self%h_last, -h/self%h_last]
-      if (self%jump >= 3 .and. self%equal >= 3 .and. .not. abs(h - self%h_last) > 0.0_wp) &
-         guess = [3.0_wp, -3.0_wp, 1.0_wp]
+      guess = 0.0_wp
+      if (self%jump >= 2) guess = 0.5_wp*(1.0_wp + h/self%h_last)
       do b = 1, size(model%batch)
          if (.not. (anew .and. self%rowed(b))) cycle
          do at = 1, size(self%joint(b)%block)
@@ -321,6 +318,7 @@ contains
          pass%what = ASK
          pass%h = h
          pass%part = self%left_over
+         pass%shift = .not. self%long
          call over_joints(model, pass, state, self)
          call solve_all(.true., self)
          pass%what = GIVE
@@ -422,7 +420,7 @@ contains
       do b = 1, size(model%batch)
          do at = 1, size(self%joint(b)%block)
             call extrapolate(min(BLOCK, model%batch(b)%n - BLOCK*(at - 1)), &
-               self%last(b), [1.0_wp, 0.0_wp, 0.0_wp], &
+               self%last(b), 0.0_wp, &
                self%joint(b)%block(at))
          end do
       end do

@@ -13,7 +13,7 @@ module kj_consistent_compliant_types
    public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, end_t, link_t, tie_t, &
       damper_t, leads_then_t, then_t, compliant_t, N_KEPT
 
-   integer, parameter :: N_KEPT = 51             !! numbers of a joint that a step changes
+   integer, parameter :: N_KEPT = 39             !! numbers of a joint that a step changes
 
    !> A block of joints. Rows that are not implicit have weight 0.
    type :: compliant_block_t
@@ -27,11 +27,9 @@ module kj_consistent_compliant_types
       real(wp) :: damp(BLOCK, 6) = 0.0_wp        !! h/2 c of explicit rows with dampers
       real(wp) :: soft(BLOCK, 6) = 0.0_wp        !! 1/(weight + damp) of the matrix that there is
       real(wp) :: f(BLOCK, 6) = 0.0_wp           !! multipliers of the position stage
-      real(wp) :: f_last(BLOCK, 6) = 0.0_wp      !! that of the last step
-      real(wp) :: f_before(BLOCK, 6) = 0.0_wp    !! that of the step before
-      real(wp) :: f_third(BLOCK, 6) = 0.0_wp     !! and before that
-      !> change of f that the last pass asked for; after the position stage, what is not in f of it
-      real(wp) :: asked(BLOCK, 6) = 0.0_wp
+      real(wp) :: rise(BLOCK, 6) = 0.0_wp        !! f of the last step less the g before it
+      real(wp) :: rise_before(BLOCK, 6) = 0.0_wp   !! the same of the first short step of a pair
+      real(wp) :: asked(BLOCK, 6) = 0.0_wp       !! change of f that the last pass asked for
       real(wp) :: g(BLOCK, 6) = 0.0_wp           !! multipliers of the velocity stage
       real(wp) :: force(BLOCK, 6) = 0.0_wp       !! of implicit rows at the last time shown
       real(wp) :: rest(BLOCK, 6) = 0.0_wp        !! forces of dampers beside their rows
@@ -106,7 +104,7 @@ module kj_consistent_compliant_types
    !> All that a step changes, as it was. Coordinates and B follow from the poses.
    type :: then_t
       type(leads_then_t) :: leads
-      integer :: cycle = 0, jump = 0, equal = 0
+      integer :: cycle = 0, jump = 0
       real(wp) :: time = 0.0_wp, work = 0.0_wp, h_last = 0.0_wp, h_stiff = 0.0_wp
       real(wp), allocatable :: joint(:, :, :)         !! (BLOCK, N_KEPT, blocks of all batches)
       type(limits_then_t), allocatable :: limit(:)    !! (batches)
@@ -165,7 +163,6 @@ module kj_consistent_compliant_types
       real(wp) :: h_known = 0.0_wp               !! for this step
       integer :: renewed = 0                     !! steps since stiffness was bounded
       integer :: jump = 0                        !! steps since a start or jump
-      integer :: equal = 0                       !! equal steps in a row before the next
       !> the step under way is the long one of a pair of short ones, whose multipliers stay
       logical :: long = .false.
       real(wp) :: size = 0.0_wp                  !! of the scene

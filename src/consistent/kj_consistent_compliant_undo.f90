@@ -102,7 +102,6 @@ contains
          then%time = state%time
          then%work = state%work
          then%jump = self%jump
-         then%equal = self%equal
          then%h_last = self%h_last
          then%h_stiff = self%h_stiff
          first = 1
@@ -142,7 +141,6 @@ contains
          state%poses%time = then%time
          state%work = then%work
          self%jump = then%jump
-         self%equal = then%equal
          self%h_last = then%h_last
          self%h_stiff = then%h_stiff
          first = 1
@@ -188,14 +186,12 @@ contains
          kept(:n, 2, at) = joint%block(at)%dissipated(:n)
          kept(:n, 3, at) = rows%block(at)%elastic(:n)
          kept(:n, 4:9, at) = rows%block(at)%g(:n, :)
-         kept(:n, 10:15, at) = rows%block(at)%f_last(:n, :)
-         kept(:n, 16:21, at) = rows%block(at)%f_before(:n, :)
-         kept(:n, 22:27, at) = rows%block(at)%f_third(:n, :)
-         kept(:n, 46:51, at) = joint%block(at)%q(:n, :)
+         kept(:n, 10:15, at) = rows%block(at)%rise(:n, :)
+         kept(:n, 16:21, at) = joint%block(at)%q(:n, :)
          if (.not. moved) cycle
-         kept(:n, 28:33, at) = joint%block(at)%qd(:n, :)
-         kept(:n, 34:39, at) = joint%block(at)%fe(:n, :)
-         kept(:n, 40:45, at) = joint%block(at)%fd(:n, :)
+         kept(:n, 22:27, at) = joint%block(at)%qd(:n, :)
+         kept(:n, 28:33, at) = joint%block(at)%fe(:n, :)
+         kept(:n, 34:39, at) = joint%block(at)%fd(:n, :)
       end do
    end subroutine keep_joints
 
@@ -215,13 +211,11 @@ contains
          joint%block(at)%dissipated(:n) = kept(:n, 2, at)
          rows%block(at)%elastic(:n) = kept(:n, 3, at)
          rows%block(at)%g(:n, :) = kept(:n, 4:9, at)
-         rows%block(at)%f_last(:n, :) = kept(:n, 10:15, at)
-         rows%block(at)%f_before(:n, :) = kept(:n, 16:21, at)
-         rows%block(at)%f_third(:n, :) = kept(:n, 22:27, at)
+         rows%block(at)%rise(:n, :) = kept(:n, 10:15, at)
          if (.not. moved) cycle
-         joint%block(at)%qd(:n, :) = kept(:n, 28:33, at)
-         joint%block(at)%fe(:n, :) = kept(:n, 34:39, at)
-         joint%block(at)%fd(:n, :) = kept(:n, 40:45, at)
+         joint%block(at)%qd(:n, :) = kept(:n, 22:27, at)
+         joint%block(at)%fe(:n, :) = kept(:n, 28:33, at)
+         joint%block(at)%fd(:n, :) = kept(:n, 34:39, at)
       end do
    end subroutine restore_joints
 
