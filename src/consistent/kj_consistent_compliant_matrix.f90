@@ -20,7 +20,7 @@ module kj_consistent_compliant_matrix
    implicit none
    private
 
-   public :: assemble, put_side, solve_all, take_solution, solve_rows, moves_of_rows, &
+   public :: assemble, find_responses, put_side, solve_all, take_solution, solve_rows, moves_of_rows, &
       add_wrenches, wrench_of_rows, rows_at
 
    real(wp), parameter :: NO_ROW = 1.0e200_wp    !! on the diagonal of a row that is not there
@@ -60,7 +60,8 @@ contains
       call put_links(state, tried, self)
       call put_bodies(model, state, active, tried, self)
       call factorise(self%pattern, self%factor, good)
-      if (good) call find_responses(self)
+      self%damps = tried .and. size(self%damper) > 0
+      self%answered = .false.
    end subroutine assemble
 
    !> Rows of a block from a place on, as if their block began there
@@ -86,6 +87,7 @@ contains
          call take_out(self, d - 1)
          self%response(:, :, d) = self%factor%x
       end do
+      self%answered = .true.
    end subroutine find_responses
 
    !> Take the forces on rows of n dampers out of a solution
@@ -113,7 +115,7 @@ contains
       type(damper_t), intent(in) :: damper
 
       associate (rows => self%joint(damper%batch)%block(damper%at))
-         acts = rows%soft(damper%lane, damper%row) < NO_ROW .and. &
+         acts = rows%damp(damper%lane, damper%row) > 0.0_wp .and. &
             .not. rows%weight(damper%lane, damper%row) > 0.0_wp
       end associate
    end function acts
@@ -170,7 +172,7 @@ contains
          end do
       end do
       call compliance(n, self%last(b), matrix, im, ij1, ij2, s)
-      with = merge(1.0_wp, 0.0_wp, tried .or. .not. self%apart)   ! rows of dampers, too
+      with = merge(1.0_wp, 0.0_wp, tried)        ! rows of dampers, too
       do k = 1, self%last(b)
          !$omp simd private(both)
          do i = 1, n
@@ -497,7 +499,7 @@ contains
          end do
       end associate
       call solve(self%pattern, self%factor)
-      if (.not. damped) call take_out(self, size(self%damper))
+      if (self%damps .and. .not. damped) call take_out(self, size(self%damper))
    end subroutine solve_all
 
    !> self%y, self%turn: what a solution moves the leads, M^-1 B^T f, B of the pose that is tried

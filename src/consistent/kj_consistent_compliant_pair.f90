@@ -6,7 +6,7 @@ module kj_consistent_compliant_pair
    use kj_kinds, only: wp
    use kj_block, only: BLOCK
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_compliant_types, only: compliant_t
+   use kj_consistent_compliant_types, only: compliant_t, LONG
    use kj_consistent_compliant_forces, only: take_coordinates
    use kj_consistent_compliant_pass, only: see_joints
    use kj_consistent_compliant_rows, only: extrapolate
@@ -39,27 +39,25 @@ contains
       turn = 0.0_wp
       passes = 0
       call keep_all(model, BEFORE, state)
-      do part = 1, 3
-         state%compliant%e_way = close_way
-         state%compliant%e_turn = close_turn
-         state%compliant%long = part == 3
-         if (part == 3) then
+      state%compliant%e_way = close_way
+      state%compliant%e_turn = close_turn
+      do part = 1, LONG
+         state%compliant%part = part
+         if (part == LONG) then
             call keep_all(model, FINE, state)
             call guess_long(model, state%compliant)
             call undo_step(model, state)
             state%compliant%known = state%cycle
             state%compliant%h_known = 0.0_wp     ! of no step: to be improved
          end if
-         call compliant_step(model, merge(h, 0.5_wp*h, part == 3), state, good)
-         state%compliant%long = .false.
+         call compliant_step(model, merge(h, 0.5_wp*h, part == LONG), state, good)
+         state%compliant%part = 0
          passes = passes + state%compliant%passes
          if (.not. good) then
             if (part > 1) call undo_step(model, state)
             return
          end if
       end do
-      state%compliant%e_way = close_way
-      state%compliant%e_turn = close_turn
       call combine(model, state, way, turn)
    end subroutine pair_step
 
@@ -134,6 +132,7 @@ contains
          self%jump = fine%jump
          self%h_last = fine%h_last
          self%h_stiff = fine%h_stiff
+         self%factored = .false.
          call place_nodes(model, state)
          call see_joints(model, state, self)
          call count_way(model, state, self)

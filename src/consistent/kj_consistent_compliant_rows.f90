@@ -17,11 +17,10 @@ contains
 
    !> Stiffness of implicit rows, no more than a step can see: 2/(gap h^2 s), s = B M^-1 B^T of the
    !> row alone. Rigid rows have all of it.
-   pure subroutine bound_stiffness(n, h, gap, rigid, s, rows)
+   pure subroutine bound_stiffness(n, h, gap, rigid, rows)
       integer, intent(in) :: n
       real(wp), intent(in) :: h, gap             !! longest step of late
       logical, intent(in) :: rigid
-      real(wp), intent(in) :: s(BLOCK, 21)       !! lower triangles by rows
       type(compliant_block_t), intent(inout) :: rows
 
       real(wp) :: most
@@ -33,7 +32,7 @@ contains
                rows%most(i, k) = 0.0_wp
                cycle
             end if
-            associate (own => s(i, k*(k + 1)/2))
+            associate (own => rows%own(i, k))
                most = merge(0.0_wp, huge(most), rigid)
                if (own > 0.0_wp) most = 2.0_wp/(gap*h**2*own)
             end associate

@@ -5,7 +5,7 @@
 !> One file: the two stages of a step.
 module kj_consistent_compliant_step
    use kj_kinds, only: wp
-   use kj_block, only: BLOCK
+   use kj_block, only: BLOCK, block_of
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias, spin
@@ -14,9 +14,9 @@ module kj_consistent_compliant_step
    use kj_consistent_motion, only: motion_targets
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
    use kj_consistent_step, only: place_nodes, reach_motions
-   use kj_consistent_compliant_types, only: compliant_t
+   use kj_consistent_compliant_types, only: compliant_t, compliant_block_t, factor_t, LONG
    use kj_consistent_compliant_rows, only: bound_stiffness, weigh_rows, extrapolate, correct
-   use kj_consistent_compliant_matrix, only: assemble, solve_all
+   use kj_consistent_compliant_matrix, only: assemble, find_responses, solve_all
    use kj_consistent_compliant_forces, only: spring_forces, damper_rows, add_rests, &
       renew_locks
    use kj_consistent_compliant_pass, only: pass_t, over_joints, close_rows, PUSH, SEE, TAKE, &
@@ -53,7 +53,7 @@ contains
 
       state%h = h
       associate (self => state%compliant)
-         if (max(h, self%h_last) > UNLIKE*min(h, self%h_last) .and. .not. self%long) self%jump = 0
+         if (max(h, self%h_last) > UNLIKE*min(h, self%h_last) .and. self%part /= LONG) self%jump = 0
       end associate
       call renew_locks(model, state, state%compliant, changed)
       if (changed) call put_locks(state%compliant)
@@ -84,7 +84,7 @@ contains
       associate (self => state%compliant)
          call close_rows(model, h, state, self)
          self%known = -1
-         if (self%long) return
+         if (self%part == LONG) return
          self%h_last = h
          self%h_stiff = longest_step(self%h_stiff, h)
          self%jump = self%jump + 1
@@ -182,36 +182,27 @@ contains
       real(wp), intent(out) :: guess             !! part of the last rise
       logical, intent(out) :: good
 
-      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ends, stiff
-      integer :: b, at, from, n, i
+      real(wp) :: stiff
+      integer :: b, at, from, n
       logical :: anew, look
 
-      look = self%renewed >= RENEW .or. self%jump == 0
+      look = (self%renewed >= RENEW .and. self%part <= 1) .or. self%jump == 0
       anew = look .or. abs(h - self%h_factor) > 0.0_wp
       if (anew .or. .not. self%factored) call inverse_inertias(model, state%poses%quat, 1, &
          model%n_lead, state%poses%ij)
-      if (anew) self%stiffest = 0.0_wp
       stiff = longest_step(self%h_stiff, h)
-      if (self%long) stiff = 2.0_wp*longest_step(self%h_stiff, 0.5_wp*h)
+      if (self%part == LONG) stiff = 2.0_wp*longest_step(self%h_stiff, 0.5_wp*h)
       guess = 0.0_wp
       if (self%jump >= 2) guess = 0.5_wp*(1.0_wp + h/self%h_last)
+      if (anew) self%stiffest = 0.0_wp
       do b = 1, size(model%batch)
          if (.not. (anew .and. self%rowed(b))) cycle
          do at = 1, size(self%joint(b)%block)
             from = BLOCK*(at - 1) + 1
             n = min(BLOCK, model%batch(b)%n - from + 1)
             associate (rows => self%joint(b)%block(at))
-               call end_inertias(model%batch(b), state%poses, from, n, im, ij1, ij2)
-               do i = 1, n
-                  ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 1)))
-                  im(i, 1) = im(i, 1)*ends
-                  ij1(i, :) = ij1(i, :)*ends
-                  ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 2)))
-                  im(i, 2) = im(i, 2)*ends
-                  ij2(i, :) = ij2(i, :)*ends
-               end do
-               call compliance(n, 6, state%joint(b)%block(at)%b, im, ij1, ij2, s)
-               call bound_stiffness(n, stiff, self%gap, self%rigid, s, rows)
+               if (look) call find_own(model, b, from, n, state, rows)
+               call bound_stiffness(n, stiff, self%gap, self%rigid, rows)
                call weigh_rows(n, h, self%rigid, rows)
                self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
                self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
@@ -219,14 +210,58 @@ contains
          end do
       end do
       good = .true.
-      if (anew) then
-         self%renewed = 0
-         self%factored = .false.
+      if (look) self%renewed = 0
+      if (anew) self%factored = .false.
+      ! rigid rows have the weights of the short steps
+      if (self%part == LONG .and. self%rigid) then
+         call swap(self%first, self%factor)
+         self%damps = .false.
+      else if (.not. self%factored) then
+         call assemble(model, state, active, .false., self, good)
       end if
-      if (.not. self%factored) call assemble(model, state, active, .false., self, good)
+      if (self%damps .and. .not. self%answered) call find_responses(self)
       self%factored = good
       self%h_factor = h
    end subroutine prepare
+
+   !> B M^-1 B^T of each row of n joints alone
+   subroutine find_own(model, b, from, n, state, rows)
+      type(consistent_model_t), intent(in) :: model
+      integer, intent(in) :: b, from, n          !! batch, first joint of a block
+      type(consistent_state_t), intent(in) :: state
+      type(compliant_block_t), intent(inout) :: rows
+
+      real(wp) :: im(BLOCK, 2), ij1(BLOCK, 6), ij2(BLOCK, 6), s(BLOCK, 21), ends
+      integer :: i, k
+
+      call end_inertias(model%batch(b), state%poses, from, n, im, ij1, ij2)
+      do i = 1, n
+         ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 1)))
+         im(i, 1) = im(i, 1)*ends
+         ij1(i, :) = ij1(i, :)*ends
+         ends = 1.0_wp/max(1, model%n_end(model%batch(b)%lead(from + i - 1, 2)))
+         im(i, 2) = im(i, 2)*ends
+         ij2(i, :) = ij2(i, :)*ends
+      end do
+      call compliance(n, 6, state%joint(b)%block(block_of(from))%b, im, ij1, ij2, s)
+      do k = 1, 6
+         rows%own(:n, k) = s(:n, k*(k + 1)/2)
+      end do
+   end subroutine find_own
+
+   !> Two factors change places
+   pure subroutine swap(a, b)
+      type(factor_t), intent(inout) :: a, b
+
+      real(wp), allocatable :: diagonal(:, :, :), below(:, :, :)
+
+      call move_alloc(a%diagonal, diagonal)
+      call move_alloc(a%below, below)
+      call move_alloc(b%diagonal, a%diagonal)
+      call move_alloc(b%below, a%below)
+      call move_alloc(diagonal, b%diagonal)
+      call move_alloc(below, b%below)
+   end subroutine swap
 
    !> The longest step of late when h follows
    pure real(wp) function longest_step(longest, h)
@@ -313,12 +348,13 @@ contains
                call copy(size(self%t), self%t, state%t)
             end if
          end if
+         if (self%part == 1 .and. self%rigid) call swap(self%first, self%factor)
          call assemble(model, state, state%active, .true., self, good)
          self%factored = .not. self%apart
          pass%what = ASK
          pass%h = h
          pass%part = self%left_over
-         pass%shift = .not. self%long
+         pass%shift = self%part /= LONG
          call over_joints(model, pass, state, self)
          call solve_all(.true., self)
          pass%what = GIVE
@@ -327,7 +363,7 @@ contains
          call count_work(SECOND_HALF, state)
          call copy(size(self%f), self%f, state%f)
          call copy(size(self%t), self%t, state%t)
-         call estimate_error(model, h, state, self)
+         if (self%part == 0) call estimate_error(model, h, state, self)
       end associate
    end subroutine velocity_stage
 

@@ -11,8 +11,9 @@ module kj_consistent_compliant_types
    private
 
    public :: compliant_block_t, compliant_joint_t, pattern_t, factor_t, end_t, link_t, tie_t, &
-      damper_t, leads_then_t, then_t, compliant_t, N_KEPT
+      damper_t, leads_then_t, then_t, compliant_t, LONG, N_KEPT
 
+   integer, parameter :: LONG = 3                !! part of a pair whose multipliers do not stay
    integer, parameter :: N_KEPT = 39             !! numbers of a joint that a step changes
 
    !> A block of joints. Rows that are not implicit have weight 0.
@@ -20,6 +21,7 @@ module kj_consistent_compliant_types
       sequence
       real(wp) :: k(BLOCK, 6) = 0.0_wp           !! stiffness and damping of implicit rows
       real(wp) :: c(BLOCK, 6) = 0.0_wp
+      real(wp) :: own(BLOCK, 6) = 0.0_wp         !! B M^-1 B^T of each row alone, of late
       real(wp) :: most(BLOCK, 6) = 0.0_wp        !! k, but no more than the step can see
       real(wp) :: kappa(BLOCK, 6) = 0.0_wp       !! h/(h k + c)
       real(wp) :: phi(BLOCK, 6) = 0.0_wp         !! c/(h k + c)
@@ -127,6 +129,7 @@ module kj_consistent_compliant_types
       type(compliant_joint_t), allocatable :: joint(:)
       type(pattern_t) :: pattern
       type(factor_t) :: factor
+      type(factor_t) :: first                    !! of the first short step of a pair: its long one's, too
       type(link_t), allocatable :: link(:)
       type(tie_t), allocatable :: tie(:)
       !> these, where they are few: then the matrix of a velocity stage, which has them, serves the
@@ -156,6 +159,8 @@ module kj_consistent_compliant_types
       logical :: factored = .false.              !! the matrix of position stages is there
       logical :: any_damper = .false.            !! rows of dampers
       logical :: apart = .false.                 !! so many that the stages have their own matrices
+      logical :: damps = .false.                 !! it has rows of dampers
+      logical :: answered = .false.              !! and what these do alone is known
       real(wp) :: h_factor = 0.0_wp              !! step of it
       real(wp) :: h_last = 0.0_wp                !! last step, 0 = none
       real(wp) :: h_stiff = 0.0_wp               !! longest step of late, for the stiffness bound
@@ -163,8 +168,7 @@ module kj_consistent_compliant_types
       real(wp) :: h_known = 0.0_wp               !! for this step
       integer :: renewed = 0                     !! steps since stiffness was bounded
       integer :: jump = 0                        !! steps since a start or jump
-      !> the step under way is the long one of a pair of short ones, whose multipliers stay
-      logical :: long = .false.
+      integer :: part = 0                        !! of a pair: short, short or LONG; 0: a single step
       real(wp) :: size = 0.0_wp                  !! of the scene
       real(wp) :: stiffest(2) = 0.0_wp           !! largest 1/kappa, translations and rotations
       real(wp) :: e_way = 0.0_wp, e_turn = 0.0_wp   !! estimated error of the last step
