@@ -16,11 +16,11 @@ module kj_consistent_chart
    private
 
    public :: relative_pose, twist_chart, vector_chart, first_skew, quaternion_frame, couple, &
-      spring_axes
-   public :: count_turns
+      spring_axes, count_turns
 
    real(wp), parameter :: TWO_PI = 6.28318530717958647692528676656_wp
    real(wp), parameter :: SMALL = 1.0e-3_wp          !! angle below which a series is exact [rad]
+   real(wp), parameter :: NO_TURN = 1.0e-150_wp      !! whose square is a number yet
 
 contains
 
@@ -352,8 +352,8 @@ contains
       call angles(n, s, c, a)
       !$omp simd private(part, turns, inverse, half_c, half_s, turned)
       do i = 1, n
-         inverse = sign(1.0_wp, p(i, 1))/max(s(i), tiny(s))
-         axis(i, 1) = merge(p(i, 2)*inverse, 1.0_wp, s(i) > 0.0_wp)
+         inverse = sign(1.0_wp, p(i, 1))/max(s(i), NO_TURN)   ! parts below it are next to nothing
+         axis(i, 1) = merge(p(i, 2)*inverse, 1.0_wp, s(i) > NO_TURN)
          axis(i, 2) = p(i, 3)*inverse
          axis(i, 3) = p(i, 4)*inverse
          turns = whole((theta(i, 1)*axis(i, 1) + theta(i, 2)*axis(i, 2) + &

@@ -32,6 +32,7 @@ contains
       call keep(self, state%h_known)
       call keep(self, state%renewed)
       call keep(self, state%jump)
+      call keep(self, state%force)
       call keep(self, state%e_way)
       call keep(self, state%e_turn)
       call keep(self, state%passes)

@@ -20,8 +20,8 @@ module kj_consistent_compliant_matrix
    implicit none
    private
 
-   public :: assemble, find_responses, put_side, solve_all, take_solution, solve_rows, moves_of_rows, &
-      add_wrenches, wrench_of_rows, rows_at
+   public :: assemble, find_responses, put_side, solve_all, take_solution, solve_rows, &
+      moves_of_rows, add_wrenches, wrench_of_rows, rows_at
 
    real(wp), parameter :: NO_ROW = 1.0e200_wp    !! on the diagonal of a row that is not there
 

@@ -39,7 +39,7 @@ module kj_consistent_compliant_pass
       real(wp) :: h = 0.0_wp                     !! step
       logical :: guessed = .false., changed = .false.   !! f
       real(wp) :: guess = 0.0_wp                 !! part of the last rise
-      real(wp) :: part = 1.0_wp                  !! of r; ASK: that is a change of f too little for it
+      real(wp) :: part = 1.0_wp                  !! of r; ASK: what of r is no part of f
       logical :: first = .false.                 !! without rotations that are no rows
       logical :: at_rest = .false.               !! without forces of implicit rows
       logical :: shift = .false.                 !! ASK: the rise is that of the last step

@@ -35,6 +35,7 @@ module kj_consistent_compliant_step
    real(wp), parameter :: UNLIKE = 1.6_wp        !! ratio of steps that is a jump to the joints
    real(wp), parameter :: FORGET = 0.5_wp        !! of a step, by which a longer one is forgotten
    real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step, and of the forces
+   real(wp), parameter :: LATE = 0.5_wp          !! of the forces of the last step
    real(wp), parameter :: LAST_BITS = 16.0_wp*epsilon(1.0_wp)   !! of coordinates: noise of forces
    real(wp), parameter, public :: LEAST_STEP = 1.0e-100_wp   !! whose square is a number
    real(wp), parameter :: ROUNDING = 1.0e-12_wp  !! of the size of the scene, of a turn
@@ -143,7 +144,10 @@ contains
             good = left(1) <= CLOSE*self%e_way + ROUNDING*scale .and. &
                left(2) <= CLOSE*self%e_turn + ROUNDING
             self%passes = pass
-            if (good .and. settled) return
+            if (good .and. settled) then
+               if (pass > 0) self%force = force
+               return
+            end if
             close_by = good
             good = .false.
             if (pass == MOST_PASSES(kind) .or. &
@@ -152,12 +156,13 @@ contains
             call solve_all(.false., self)
             call over_joints(model, take_solution, state, self)
             associate (largest => take_solution%most)
-               force = max(take_solution%force(1), take_solution%force(2)/scale)
+               force = max(take_solution%force(1), take_solution%force(2)/scale, LATE*self%force)
                settled = largest(1) <= CLOSE*force + LAST_BITS*scale*self%stiffest(1) .and. &
                   largest(2) <= scale*CLOSE*force + LAST_BITS*self%stiffest(2)
                change = max(largest(1), largest(2)/scale)
                end associate
             good = close_by .and. settled        ! what would change is too little for a new pose
+            if (good) self%force = force
             self%left_over = merge(1.0_wp, 0.0_wp, good)
             if (good .and. see_joints%first) call look_at_joints(model, state, self)
             if (good) return

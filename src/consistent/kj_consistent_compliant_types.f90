@@ -129,7 +129,7 @@ module kj_consistent_compliant_types
       type(compliant_joint_t), allocatable :: joint(:)
       type(pattern_t) :: pattern
       type(factor_t) :: factor
-      type(factor_t) :: first                    !! of the first short step of a pair: its long one's, too
+      type(factor_t) :: first                    !! of the first short step of a pair
       type(link_t), allocatable :: link(:)
       type(tie_t), allocatable :: tie(:)
       !> these, where they are few: then the matrix of a velocity stage, which has them, serves the
@@ -168,12 +168,13 @@ module kj_consistent_compliant_types
       real(wp) :: h_known = 0.0_wp               !! for this step
       integer :: renewed = 0                     !! steps since stiffness was bounded
       integer :: jump = 0                        !! steps since a start or jump
-      integer :: part = 0                        !! of a pair: short, short or LONG; 0: a single step
+      integer :: part = 0                        !! of a pair, short, short, LONG; 0: a single step
       real(wp) :: size = 0.0_wp                  !! of the scene
       real(wp) :: stiffest(2) = 0.0_wp           !! largest 1/kappa, translations and rotations
       real(wp) :: e_way = 0.0_wp, e_turn = 0.0_wp   !! estimated error of the last step
       integer :: passes = 0                      !! of the last step
       integer :: joint_worst = 0                 !! that did not converge, index among all
+      real(wp) :: force = 0.0_wp                 !! largest of late, moments over the size
       real(wp) :: left_over = 0.0_wp             !! part of the last change of f that is not in it
       logical :: failed = .false.                !! steps came to an end
       real(wp) :: loss = 0.0_wp                  !! kinetic energy that the start took
