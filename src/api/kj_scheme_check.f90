@@ -9,6 +9,7 @@ module kj_scheme_check
    use kj_consistent_state, only: consistent_model_t
    use kj_consistent_impact_step, only: step_factor
    use kj_consistent_march, only: RKMK4
+   use kj_consistent_compliant_march, only: solves_a_step
    use kj_scheme, only: scheme_t, note
    use kj_channels, only: OF_JOINT
    use kj_history, only: history_t, entity_title
@@ -82,7 +83,8 @@ contains
          h = min(self%march%limit, interval)
       end if
       n = 0.0_wp
-      if (span > 0.0_wp) n = span/interval*max(1.0_wp, interval/max(h, tiny(h)))
+      if (span > 0.0_wp) n = solves_a_step(self%march%pace)*span/interval* &
+         max(1.0_wp, interval/max(h, tiny(h)))
    end function cycles_to_go
 
    !> Cycles to the end of a run. Errors: ERR_INPUT beyond MOST_CYCLES, unless the run is forced

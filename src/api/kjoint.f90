@@ -74,6 +74,7 @@ module kjoint
       real(wp) :: exact_step = 0.0_wp             !! of the assembled scene; 0: too large to tell
       ! of the integrator compliant, at the start
       real(wp) :: turn_step = 0.0_wp              !! by the turn of the bodies; huge: no limit
+      integer :: n_solve = 1                      !! solves that make such a step
       real(wp) :: spring_step = 0.0_wp            !! by explicit springs, friction; huge: none
       real(wp) :: stiffest = 0.0_wp               !! frequency of the stiffest blocked row alone
       integer :: n_redundant = 0                  !! blocked rows that repeat others; -1: too many
@@ -136,7 +137,10 @@ module kjoint
       integer :: n_part = 1                     !! groups of islands that share a step
       integer :: least_cycle = 0                !! cycles of the part with the fewest
       integer :: n_halved = 0                   !! steps of compliant that did not converge
-      !> steps that compliant would take for the error of the joints, and that error; 0: none told
+      !> of compliant: what joints give way by, over the size of the scene or in rad, where that is
+      !> much of the error that was asked for; how they ring is not seen
+      real(wp) :: unresolved = 0.0_wp
+      !> cycles that compliant would take for the error of the joints, and that error; 0: none told
       real(wp) :: compliant_steps = 0.0_wp, compliant_error = 0.0_wp
       integer :: n_sample = 0                   !! rows given to the sink
       integer :: print_every = 100              !! /PRINT: cycles between listing lines

@@ -244,8 +244,8 @@ contains
       call exact_bound(scene, state, bound, MOST_DOFS, report%exact_step)
       call sort_limits()
       if (allocated(error)) return
-      call compliant_outlook(scene, state, report%turn_step, report%spring_step, report%stiffest, &
-         report%n_redundant)
+      call compliant_outlook(scene, state, report%turn_step, report%n_solve, report%spring_step, &
+         report%stiffest, report%n_redundant)
 
    contains
 

@@ -233,11 +233,13 @@ contains
          if (m%control%sample > 0.0_wp) &
             h%n_expected = nint(min(1.0e6_wp, m%control%t_stop/m%control%sample)) + 2
          call describe_elements(m, m%th_joint, h%entity(OF_JOINT))
-         allocate (h%entity(OF_JOINT)%blocking(2, size(m%th_joint)))
-         do i = 1, size(m%th_joint)
-            h%entity(OF_JOINT)%blocking(:, i) = blocking_stiffness(m%batch(m%joint(m%th_joint( &
-               i))%batch), m%joint(m%th_joint(i))%place)
-         end do
+         if (sim%options%kn /= 'inf') then
+            allocate (h%entity(OF_JOINT)%blocking(2, size(m%th_joint)))
+            do i = 1, size(m%th_joint)
+               h%entity(OF_JOINT)%blocking(:, i) = blocking_stiffness(m%batch(m%joint(m%th_joint( &
+                  i))%batch), m%joint(m%th_joint(i))%place)
+            end do
+         end if
          h%entity(OF_JOINT)%type = joint_types(m%joint(m%th_joint)%row)%id
          call describe_elements(m, m%th_spring, h%entity(OF_SPRING))
          h%entity(OF_SPRING)%type = m%batch(m%joint(m%th_spring)%batch)%kind

@@ -7,14 +7,13 @@ submodule (kjoint) kjoint_run
    use kj_trace, only: plan_trace, next_cycle, is_traced, take_trace
    use kj_scheme_check, only: refuse_years, warn_give
    use kj_consistent_march, only: COMPLIANT
-   use kj_consistent_compliant_check, only: compliant_steps
+   use kj_consistent_compliant_check, only: compliant_steps, unresolved
    use kj_scheme, only: start_scheme, leaves_path, is_over, go_on, finish_scheme, show, warn_after
    use kj_checkpoint, only: save_scene, sign_state
    use kj_snapshot, only: OWNER_JOINT
    implicit none
 
-   character(len=8), parameter :: OWNER_NAME(0:3) = &
-      ['none    ', 'node    ', 'body    ', 'joint   ']
+   character(len=8), parameter :: OWNER_NAME(0:3) = ['none    ', 'node    ', 'body    ', 'joint   ']
 
    !> How a run under way stands, beside its scene and status
    type :: course_t
@@ -33,6 +32,8 @@ contains
       if (allocated(error)) return
       call begin_run(sim, course, status, error)
       call run_on(sim, sink, monitor, course, status, error)
+      if (sim%scheme%integrator == COMPLIANT) status%unresolved = unresolved(sim%model, &
+         sim%scheme%march%pace, sim%extremes%gap%value, sim%extremes%gap_rot%value)
       if (.not. (allocated(error) .or. sim%scheme%legacy .or. &
          sim%scheme%integrator == COMPLIANT)) call compliant_steps(sim%model, &
          sim%extremes%gap%value, sim%extremes%turn%value, sim%scheme%now%time, &

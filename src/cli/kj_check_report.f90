@@ -68,12 +68,16 @@ contains
    subroutine print_compliant(report)
       type(check_t), intent(in) :: report
 
+      character(len=:), allocatable :: turn
       real(wp) :: h, interval
 
       call print_line('step of --integrator compliant (error, stops may ask for less)')
       h = report%turn_step                       ! of a scene at rest it is beyond the end
       if (h > report%t_stop) h = huge(h)
-      call print_line('   turn        '//trim(step_text(h))//'  (0.1 rad of a body)')
+      turn = '  (0.1 rad of a body)'
+      if (report%n_solve > 1) turn = '  (0.45 rad of a body; '//str(report%n_solve)// &
+         ' cycles make a step)'
+      call print_line('   turn        '//trim(step_text(h))//turn)
       call print_line('   springs     '//trim(step_text(report%spring_step)))
       h = min(h, report%spring_step)
       if (report%samples < report%cycles) then
@@ -268,6 +272,7 @@ contains
             ', '//json_pair('island_steps', '['//steps_json(report%island_step)//']')// &
             ', '//json_pair('exact_step', json_step(report%exact_step))// &
             ', '//json_pair('turn_step', json_step(report%turn_step))// &
+            ', '//json_member('cycles_per_step', report%n_solve)// &
             ', '//json_pair('spring_step', json_step(report%spring_step))// &
             ', '//json_pair('stiffest_frequency', json_real(report%stiffest))// &
             ', '//json_member('redundant', report%n_redundant)// &

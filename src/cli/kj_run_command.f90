@@ -9,7 +9,7 @@ module kj_run_command
    use kj_terminal, only: print_line, may_overwrite, STDERR
    use kj_signal, only: watch_signals, caught_signal
    use kj_render, only: print_findings, print_failure
-   use kj_words, only: counted, json_member, json_pair, json_findings
+   use kj_words, only: counted, few, json_member, json_pair, json_findings
    use kj_trace_command, only: tracer_t, start_trace, end_trace
    use kj_progress, only: start_progress, list_to_file, end_progress, limiter, percent, rate, &
       SHOW_NOTHING, SHOW_STATUS, SHOW_LISTING, SHOW_SELDOM
@@ -30,7 +30,7 @@ module kj_run_command
    public :: run_command
 
    real(wp), parameter :: GAIN = 10.0_wp         !! of compliant over split2: worth a line
-   real(wp), parameter :: COST = 6.0_wp          !! of a step of compliant, in those of split2
+   real(wp), parameter :: COST = 6.0_wp          !! of a cycle of compliant, in those of split2
    integer, parameter :: STOPPED = 130           !! exit code of a run that its user ended
 
    !> What came of a run
@@ -199,10 +199,12 @@ contains
          if (s%compliant_steps > 0.0_wp .and. s%cycle > GAIN*COST*s%compliant_steps) then
             write (buffer, '(es8.1)') s%compliant_error
             call print_line('   --fast        this error in about '// &
-               str(nint(s%compliant_steps))//' steps, '// &
+               str(nint(s%compliant_steps))//' cycles, '// &
                str(nint(s%cycle/(COST*s%compliant_steps)))//' times as fast: --error '// &
                trim(adjustl(buffer)))
          end if
+         if (s%unresolved > 0.0_wp) call print_line('   not resolved  ringing of joints, about '// &
+            few(s%unresolved, 2)//' of the size of the scene; split2 shows it')
          write (buffer, '(f12.3,a)') outcome%elapsed, ' s  ('
          call print_line('   wall time     '//trim(adjustl(buffer))// &
                          rate(real(s%cycle, wp)/seconds)//' cycles/s, '// &
@@ -269,6 +271,7 @@ contains
                ', '//json_member('time_step_owner', s%owner)// &
                ', '//json_member('time_step_owner_name', trim(adjustl(outcome%holder)))// &
                ', '//json_member('energy_error', s%energy_error)// &
+               ', '//json_member('unresolved', s%unresolved)// &
                ', '//json_member('samples', s%n_sample)// &
                ', '//json_member('joints', s%n_joint)// &
                ', '//json_member('bodies', s%n_body)// &

@@ -8,29 +8,33 @@ module kj_consistent_compliant_check
    use kj_consistent_safe_step, only: bound_t, new_bound, compliances, rows_of_end
    use kj_consistent_build, only: new_consistent_state
    use kj_consistent_compliant_build, only: make_implicit, size_of
-   use kj_consistent_compliant_march, only: pace_t, start_pace
+   use kj_consistent_compliant_march, only: pace_t, start_pace, solves_a_step, WIDER
+   use kj_consistent_compliant_pair, only: SOLVES_A_PAIR => SOLVES
    implicit none
    private
 
-   public :: compliant_outlook, compliant_steps
+   public :: compliant_outlook, compliant_steps, unresolved
 
    integer, parameter :: MOST_ROWS = 600         !! of the dense matrix of all blocked rows
    integer, parameter :: MOST_JOINTS = 10000     !! of a scene that is copied for a word of advice
    !> error of positions, of the size of the scene, over (turn a step)^2: 1/60 to 1/15 in six
    !> mechanisms
    real(wp), parameter :: ERROR_OF_TURN = 1.0_wp/15.0_wp
+   real(wp), parameter :: ERROR_OF_PAIR = 1.0_wp/30.0_wp   !! over its fourth power: 1/1500 to 1/5
    real(wp), parameter :: LEAST_ERROR = 1.0e-8_wp    !! that the integrator keeps
    real(wp), parameter :: MOST_ERROR = 1.0e-2_wp     !! beyond it no advice
+   real(wp), parameter :: MUCH = 0.1_wp          !! of the error: worth a line
    real(wp), parameter :: NONE_LEFT = 1.0e-8_wp  !! of a diagonal: the row is one of those before
 
 contains
 
    !> Limits of the step by the turn of the bodies and by explicit springs, the frequency of the
    !> stiffest blocked row, and how many blocked rows repeat others
-   subroutine compliant_outlook(model, state, h_turn, h_springs, omega, redundant)
+   subroutine compliant_outlook(model, state, h_turn, solves, h_springs, omega, redundant)
       type(consistent_model_t), intent(inout) :: model    !! its joints become implicit ones
       type(consistent_state_t), intent(inout) :: state    !! at the start, becomes that of compliant
       real(wp), intent(out) :: h_turn, h_springs !! huge: no limit
+      integer, intent(out) :: solves             !! in a step
       real(wp), intent(out) :: omega
       integer, intent(out) :: redundant          !! -1: too many rows to tell
 
@@ -57,11 +61,24 @@ contains
       call make_implicit(model)
       call start_pace(model, state, pace)
       h_turn = pace%h_turn
+      solves = solves_a_step(pace)
       h_springs = huge(1.0_wp)
       if (pace%bound%h < huge(1.0_wp)) h_springs = pace%h_bound
    end subroutine compliant_outlook
 
-   !> Steps in which the integrator would have the error that joints make which give way by `gap`,
+   !> What joints gave way by in a run, over the size of the scene or in rad; 0: little beside the
+   !> error that was asked for. Their springs ring about as far, which long steps do not show.
+   pure real(wp) function unresolved(model, pace, gap, turn)
+      type(consistent_model_t), intent(in) :: model
+      type(pace_t), intent(in) :: pace
+      real(wp), intent(in) :: gap, turn          !! largest of the run, length and rad
+
+      unresolved = turn
+      if (gap > 0.0_wp) unresolved = max(turn, gap/max(size_of(model), tiny(gap)))
+      if (unresolved < MUCH*pace%tolerance) unresolved = 0.0_wp
+   end function unresolved
+
+   !> Solves in which the integrator would have the error that joints make which give way by `gap`,
    !> about; 0: it has no advantage that can be told. error: of the size of the scene, for --error
    subroutine compliant_steps(model, gap, turn, span, steps, error)
       type(consistent_model_t), intent(in) :: model
@@ -72,7 +89,7 @@ contains
       type(consistent_state_t) :: state
       type(bound_t) :: bound
       type(pace_t) :: pace
-      real(wp) :: h
+      real(wp) :: most, h, pair
 
       steps = 0.0_wp
       error = 0.0_wp
@@ -84,9 +101,10 @@ contains
       call make_implicit(scene)
       call new_consistent_state(scene, state)
       call new_bound(scene, .false., state, bound)
-      h = min(pace%turn, sqrt(error/ERROR_OF_TURN))/turn
-      h = min(h, pace%factor*bound%h, model%control%sample)
-      steps = max(1.0_wp, span/h)
+      most = min(pace%factor*bound%h, model%control%sample)
+      h = min(most, min(pace%turn, sqrt(error/ERROR_OF_TURN))/turn)
+      pair = min(most, min(WIDER*pace%turn, sqrt(sqrt(error/ERROR_OF_PAIR)))/turn)
+      steps = max(1.0_wp, span/max(h, pair/SOLVES_A_PAIR))
    end subroutine compliant_steps
 
    !> Rows that depend on others: those of B M^-1/2 that Gram-Schmidt leaves nothing of

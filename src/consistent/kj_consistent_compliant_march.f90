@@ -14,12 +14,12 @@ module kj_consistent_compliant_march
    use kj_consistent_compliant_start, only: start_velocities
    use kj_consistent_compliant_forces, only: locks_turn
    use kj_consistent_compliant_stops, only: stop_step
-   use kj_consistent_compliant_pair, only: pair_step
+   use kj_consistent_compliant_pair, only: pair_step, SOLVES
    use kj_consistent_compliant_undo, only: keep_all, undo_step, BEFORE
    implicit none
    private
 
-   public :: pace_t, start_pace, march_compliant, next_solve
+   public :: pace_t, start_pace, march_compliant, next_solve, solves_a_step
 
    integer, parameter :: LOOK = 4                !! steps between two looks at the error
    integer, parameter :: MOST_HALVINGS = 6
@@ -27,6 +27,8 @@ module kj_consistent_compliant_march
    integer, parameter :: FIRST_TRIES = 60        !! of the first steps: half a step each
    real(wp), parameter :: ROUNDING = 1.0e-12_wp  !! error that no shorter step makes less
    integer, parameter :: FREE_STEPS = 2          !! after a start or jump: error not counted
+   !> of the sum of errors of single steps: what a step does to velocities shifts all that follow
+   real(wp), parameter :: LATER = 2.0_wp
    real(wp), parameter :: TOO_LARGE = 4.0_wp     !! error of a step over the allowed: taken back
    real(wp), parameter :: LEAST_PART = 0.25_wp   !! of the error of a mean step: may always be
    real(wp), parameter :: BOUND_PART = 0.5_wp    !! of the safe bound of explicit springs
@@ -40,7 +42,7 @@ module kj_consistent_compliant_march
    real(wp), parameter :: MOST_TOLERANCE = 0.1_wp   !! above it the error is none of the business
    real(wp), parameter :: FADE = 0.7_wp          !! of the largest error of late, in a step
    real(wp), parameter :: DOUBT = 0.8_wp         !! of solves, below which the order changes
-   real(wp), parameter :: WIDER = 4.5_wp         !! turn of a long step: its error is seen
+   real(wp), parameter, public :: WIDER = 4.5_wp !! turn of a long step: its error is seen
 
    !> Step control
    type :: pace_t
@@ -383,7 +385,8 @@ contains
       real(wp), intent(in) :: h
       type(pace_t), intent(in) :: self
 
-      e = max(ROUNDING, self%tolerance/self%span*max(h, LEAST_PART*state%time/max(1, state%cycle)))
+      e = max(ROUNDING, self%tolerance/self%span*max(h, LEAST_PART*solves_a_step(self)* &
+         state%time/max(1, state%cycle)))
    end function allowed_error
 
    !> Estimated error of the last step, of the size of the scene or in rad. That of a pair: the
@@ -399,6 +402,7 @@ contains
       else
          e = c%e_turn
          if (c%size > 0.0_wp) e = max(e, c%e_way/c%size)
+         e = LATER*e
       end if
    end function error_of
 
@@ -409,12 +413,12 @@ contains
       real(wp), intent(in) :: size
       type(pace_t), intent(inout) :: self
 
-      real(wp) :: c, h(2), turn, interval, solves(2)
+      real(wp) :: c, h(2), turn, interval, work(2)
 
       if (self%paired) then
          c = self%wrong(2)
          if (size > 0.0_wp) c = max(c, self%wrong(1)/size)
-         c = 4.0_wp/3.0_wp*c/self%h**3
+         c = LATER*4.0_wp/3.0_wp*c/self%h**3
       else
          c = self%drift/self%since*allowed/self%h**2
       end if
@@ -422,15 +426,22 @@ contains
       self%c = c
       turn = self%h_turn/merge(WIDER, 1.0_wp, self%paired)
       h(1) = min(0.9_wp*sqrt(allowed/c), turn)
-      h(2) = min(0.9_wp*(allowed/(0.75_wp*c)**(5.0_wp/3.0_wp))**0.25_wp, WIDER*turn)
+      h(2) = min(0.9_wp*(allowed/(0.75_wp/LATER*c)**(5.0_wp/3.0_wp))**0.25_wp, WIDER*turn)
       h = min(h, self%h_bound, self%most)
       interval = model%control%sample
       if (.not. interval > 0.0_wp) interval = self%span
-      solves = [1.0_wp, 3.0_wp]*ceiling(min(interval/h, 1.0e9_wp))
-      if (self%paired .eqv. solves(2) <= merge(1.0_wp, DOUBT, self%paired)*solves(1)) return
+      work = [1, SOLVES]*ceiling(min(interval/h, 1.0e9_wp))
+      if (self%paired .eqv. work(2) <= merge(1.0_wp, DOUBT, self%paired)*work(1)) return
       self%paired = .not. self%paired
       self%h_error = min(h(merge(2, 1, self%paired)), merge(3.0_wp, 0.75_wp, self%paired)*self%h)
    end subroutine choose_order
+
+   !> Cycles that the next step counts as
+   pure integer function solves_a_step(self)
+      type(pace_t), intent(in) :: self
+
+      solves_a_step = merge(SOLVES, 1, self%paired)
+   end function solves_a_step
 
    !> By which power of the error over the allowed a step is shorter
    pure real(wp) function power(self)

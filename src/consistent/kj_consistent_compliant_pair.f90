@@ -19,6 +19,7 @@ module kj_consistent_compliant_pair
 
    public :: pair_step
 
+   integer, parameter, public :: SOLVES = LONG   !! in a pair
    real(wp), parameter :: THIRD = 1.0_wp/3.0_wp
 
 contains
@@ -128,7 +129,7 @@ contains
             end do
             first = first + size(state%joint(b)%block)
          end do
-         state%cycle = state%compliant%then(BEFORE)%cycle + 1
+         state%cycle = state%compliant%then(BEFORE)%cycle + SOLVES
          self%jump = fine%jump
          self%h_last = fine%h_last
          self%h_stiff = fine%h_stiff

@@ -204,7 +204,7 @@ class Worst(Program):
 
     def test_a_stiffer_joint_costs_no_steps_where_it_does_not_hold_them(self):
         for words, wanted in (([], "41 % more cycles"), (["--fast"], "no more cycles"),
-                              (["--fast", "--kn", "inf"], None)):
+                              (["--fast", "--kn", "inf"], None), (["--fast", "--kn", "inf", "--kn-scale", "1e9"], None)):
             said = self.kjoint("run", self.DECK, "-o", "a.h5", "--until", "0.5", *words).stdout
             again = self.kjoint("info", "a.h5").stdout
             for text in (said, again):
