@@ -14,7 +14,7 @@
 void kj_large_pages(void)
 {
 #if defined __GLIBC__ && defined MADV_HUGEPAGE
-   enum { PAGE = 2*1024*1024, ROOM = 2*PAGE, BELOW = 65536 };
+   enum { PAGE = 2*1024*1024, ROOM = 4*PAGE, BELOW = 65536 };
    uintptr_t end = (uintptr_t)sbrk(0), first = (end + BELOW + PAGE - 1)/PAGE*PAGE;
    void *whole;
 
