@@ -6,7 +6,7 @@ module kj_consistent_batch
    use kj_joint_types, only: joint_types, NDOF, FRAME_LINE, CHART_LINE, CHART_UNIVERSAL
    use kj_joint_batch, only: joint_batch_t, DOF_FREE, is_hardened
    use kj_spring_law, only: spring_block_t, WAITING, ALIVE
-   use kj_block, only: BLOCK, block_of, lane_of
+   use kj_block, only: BLOCK, block_of, lane_of, clear
    implicit none
    private
 
@@ -16,22 +16,22 @@ module kj_consistent_batch
    !> The matrix B of q' = B u of a block of joints, as what unit forces do (kj_consistent_chart); W
    type :: matrix_t
       sequence
-      real(wp) :: force(BLOCK, 9) = 0.0_wp       !! on node 1, of each translation
-      real(wp) :: couple(BLOCK, 9) = 0.0_wp      !! M1 on lead 1, of each translation
-      real(wp) :: turn(BLOCK, 9) = 0.0_wp        !! moment on body 1, of each damped rotation
-      real(wp) :: apart(BLOCK, 3) = 0.0_wp       !! d: d x force - M1 is the moment on lead 2
+      real(wp) :: force(BLOCK, 9)                !! on node 1, of each translation
+      real(wp) :: couple(BLOCK, 9)               !! M1 on lead 1, of each translation
+      real(wp) :: turn(BLOCK, 9)                 !! moment on body 1, of each damped rotation
+      real(wp) :: apart(BLOCK, 3)                !! d: d x force - M1 is the moment on lead 2
    end type matrix_t
 
-   !> State of a block of joints. A field stands here and nowhere else: blocks are saved, restored
-   !> and gathered as a whole (rows_at)
+   !> State of a block of joints, numbers that begin as 0 (clear). A field stands here and nowhere
+   !> else: blocks are saved, restored and gathered as a whole (rows_at)
    type :: consistent_block_t
       sequence
-      real(wp) :: q(BLOCK, 6) = 0.0_wp           !! coordinates
-      real(wp) :: qd(BLOCK, 6) = 0.0_wp          !! rates with the velocities of the half step
-      real(wp) :: fe(BLOCK, 6) = 0.0_wp          !! elastic force on node 1, without friction
-      real(wp) :: fd(BLOCK, 6) = 0.0_wp          !! damping force on node 1
-      real(wp) :: elastic(BLOCK) = 0.0_wp        !! work done on springs
-      real(wp) :: dissipated(BLOCK) = 0.0_wp     !! work done on dampers
+      real(wp) :: q(BLOCK, 6)                    !! coordinates
+      real(wp) :: qd(BLOCK, 6)                   !! rates with the velocities of the half step
+      real(wp) :: fe(BLOCK, 6)                   !! elastic force on node 1, without friction
+      real(wp) :: fd(BLOCK, 6)                   !! damping force on node 1
+      real(wp) :: elastic(BLOCK)                 !! work done on springs
+      real(wp) :: dissipated(BLOCK)              !! work done on dampers
       type(matrix_t) :: b
    end type consistent_block_t
 
@@ -96,14 +96,17 @@ contains
    end function last_of
 
    !> State of the joints of a batch, all zero
-   pure subroutine new_consistent_joint(batch, joint)
+   subroutine new_consistent_joint(batch, joint)
       type(joint_batch_t), intent(in) :: batch
-      type(consistent_joint_t), intent(out) :: joint
+      type(consistent_joint_t), target, intent(out) :: joint
 
       integer :: i
 
       associate (blocks => (batch%n + BLOCK - 1)/BLOCK)
          allocate (joint%block(blocks))
+         do i = 1, blocks
+            call clear(c_loc(joint%block(i)), storage_size(joint%block))
+         end do
          if (batch%limited) allocate (joint%limit(blocks))
          if (.not. is_hardened(batch)) return
          allocate (joint%spring(blocks))

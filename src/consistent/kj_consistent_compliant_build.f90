@@ -1,8 +1,9 @@
 !> Rows, pattern and work space of the integrator `compliant`, once at the start.
 !> Source: docs/theory/compliant.md 1, 4.
 module kj_consistent_compliant_build
+   use, intrinsic :: iso_c_binding, only: c_loc
    use kj_kinds, only: wp
-   use kj_block, only: BLOCK, block_of, lane_of
+   use kj_block, only: BLOCK, block_of, lane_of, clear
    use kj_joint_types, only: joint_types, NDOF
    use kj_joint_batch, only: is_spring, LAW_DAMPER, LAW_DAMPER_CURVE, LAW_SPRING, &
       LAW_SPRING_CURVE, LAW_HARDENED
@@ -96,7 +97,7 @@ contains
    subroutine new_rows(model, b, self)
       type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: b
-      type(compliant_t), intent(inout) :: self
+      type(compliant_t), target, intent(inout) :: self
 
       integer :: at, i, j, k
 
@@ -110,6 +111,7 @@ contains
          self%rowed(b) = self%damped(b) .or. any(.not. self%explicit(:, b))
          self%last(b) = merge(6, 3, self%damped(b) .or. any(.not. self%explicit(4:6, b)))
          do at = 1, size(self%joint(b)%block)
+            call clear(c_loc(self%joint(b)%block(at)), storage_size(self%joint(b)%block))
             do i = 1, min(BLOCK, batch%n - BLOCK*(at - 1))
                j = BLOCK*(at - 1) + i
                do k = 1, NDOF

@@ -16,32 +16,32 @@ module kj_consistent_compliant_types
    integer, parameter :: LONG = 3                !! part of a pair whose multipliers do not stay
    integer, parameter :: N_KEPT = 39             !! numbers of a joint that a step changes
 
-   !> A block of joints. Rows that are not implicit have weight 0.
+   !> A block of joints, numbers that begin as 0. Rows that are not implicit have weight 0.
    type :: compliant_block_t
       sequence
-      real(wp) :: k(BLOCK, 6) = 0.0_wp           !! stiffness and damping of implicit rows
-      real(wp) :: c(BLOCK, 6) = 0.0_wp
-      real(wp) :: own(BLOCK, 6) = 0.0_wp         !! B M^-1 B^T of each row alone, of late
-      real(wp) :: most(BLOCK, 6) = 0.0_wp        !! k, but no more than the step can see
-      real(wp) :: kappa(BLOCK, 6) = 0.0_wp       !! h/(h k + c)
-      real(wp) :: phi(BLOCK, 6) = 0.0_wp         !! c/(h k + c)
-      real(wp) :: weight(BLOCK, 6) = 0.0_wp      !! h/2 (h k + c)
-      real(wp) :: damp(BLOCK, 6) = 0.0_wp        !! h/2 c of explicit rows with dampers
-      real(wp) :: soft(BLOCK, 6) = 0.0_wp        !! 1/(weight + damp) of the matrix that there is
-      real(wp) :: f(BLOCK, 6) = 0.0_wp           !! multipliers of the position stage
-      real(wp) :: rise(BLOCK, 6) = 0.0_wp        !! f of the last step less the g before it
-      real(wp) :: rise_before(BLOCK, 6) = 0.0_wp   !! the same of the first short step of a pair
-      real(wp) :: asked(BLOCK, 6) = 0.0_wp       !! change of f that the last pass asked for
-      real(wp) :: g(BLOCK, 6) = 0.0_wp           !! multipliers of the velocity stage
-      real(wp) :: force(BLOCK, 6) = 0.0_wp       !! of implicit rows at the last time shown
-      real(wp) :: rest(BLOCK, 6) = 0.0_wp        !! forces of dampers beside their rows
-      real(wp) :: r(BLOCK, 6) = 0.0_wp           !! work space: residual, right-hand side
-      real(wp) :: q0(BLOCK, 6) = 0.0_wp          !! what a locked coordinate counts from
-      real(wp) :: elastic(BLOCK) = 0.0_wp        !! energy in implicit rows
-      real(wp) :: q(BLOCK, 6) = 0.0_wp           !! coordinates of the pose that is tried
+      real(wp) :: k(BLOCK, 6)                    !! stiffness and damping of implicit rows
+      real(wp) :: c(BLOCK, 6)
+      real(wp) :: own(BLOCK, 6)                  !! B M^-1 B^T of each row alone, of late
+      real(wp) :: most(BLOCK, 6)                 !! k, but no more than the step can see
+      real(wp) :: kappa(BLOCK, 6)                !! h/(h k + c)
+      real(wp) :: phi(BLOCK, 6)                  !! c/(h k + c)
+      real(wp) :: weight(BLOCK, 6)               !! h/2 (h k + c)
+      real(wp) :: damp(BLOCK, 6)                 !! h/2 c of explicit rows with dampers
+      real(wp) :: soft(BLOCK, 6)                 !! 1/(weight + damp) of the matrix that there is
+      real(wp) :: f(BLOCK, 6)                    !! multipliers of the position stage
+      real(wp) :: rise(BLOCK, 6)                 !! f of the last step less the g before it
+      real(wp) :: rise_before(BLOCK, 6)          !! the same of the first short step of a pair
+      real(wp) :: asked(BLOCK, 6)                !! change of f that the last pass asked for
+      real(wp) :: g(BLOCK, 6)                    !! multipliers of the velocity stage
+      real(wp) :: force(BLOCK, 6)                !! of implicit rows at the last time shown
+      real(wp) :: rest(BLOCK, 6)                 !! forces of dampers beside their rows
+      real(wp) :: r(BLOCK, 6)                    !! work space: residual, right-hand side
+      real(wp) :: q0(BLOCK, 6)                   !! what a locked coordinate counts from
+      real(wp) :: elastic(BLOCK)                 !! energy in implicit rows
+      real(wp) :: q(BLOCK, 6)                    !! coordinates of the pose that is tried
       type(matrix_t) :: b                        !! and its B
       !> moments on body 1 of unit moments of springs, three free rotations
-      real(wp) :: rot(BLOCK, 9) = 0.0_wp
+      real(wp) :: rot(BLOCK, 9)
    end type compliant_block_t
 
    !> The joints of a batch

@@ -1,7 +1,8 @@
 !> Room for scenes side by side (kj_consistent_lanes)
 module kj_consistent_lanes_build
+   use, intrinsic :: iso_c_binding, only: c_loc
    use kj_kinds, only: wp
-   use kj_block, only: BLOCK, block_of, lane_of
+   use kj_block, only: BLOCK, block_of, lane_of, clear
    use kj_joint_batch, only: joint_batch_t
    use kj_lead_map, only: build_lead_map, N_SUM
    use kj_gravity, only: new_gravity
@@ -122,7 +123,7 @@ contains
    subroutine new_state(model, wide, one, state)
       type(consistent_model_t), intent(in) :: model, wide
       type(consistent_state_t), intent(in) :: one
-      type(consistent_state_t), intent(inout) :: state
+      type(consistent_state_t), target, intent(inout) :: state
 
       integer :: b, i, s, k, m
 
@@ -147,6 +148,9 @@ contains
       do b = 1, size(one%joint)
          associate (n => model%batch(b)%n, joint => state%joint(b))
             allocate (joint%block(n))
+            do i = 1, n
+               call clear(c_loc(joint%block(i)), storage_size(joint%block))
+            end do
             if (allocated(one%joint(b)%limit)) allocate (joint%limit(n))
             if (allocated(one%joint(b)%spring)) allocate (joint%spring(n))
          end associate

@@ -7,7 +7,7 @@ module kj_block
    implicit none
    private
 
-   public :: rows_at, block_of, lane_of, group_of, turn_arm, turn_frames, turn_axes, &
+   public :: rows_at, clear, block_of, lane_of, group_of, turn_arm, turn_frames, turn_axes, &
       cross_frames, to_local, to_world, add_cross, line_axes
 
    integer, parameter, public :: BLOCK = 64    !! joints a kernel works on at a time
@@ -23,6 +23,18 @@ contains
 
       call c_f_pointer(address, row, [BLOCK, bits/storage_size(1.0_wp)/BLOCK])
    end subroutine rows_at
+
+   !> The numbers of a block at an address become 0. Default values would be copied from a block of
+   !> zeros in the file of the program, whose pages cost more than the run of a small scene.
+   subroutine clear(address, bits)
+      type(c_ptr), intent(in) :: address
+      integer, intent(in) :: bits                !! size of the block
+
+      real(wp), pointer :: row(:, :)
+
+      call rows_at(address, bits, row)
+      row = 0.0_wp
+   end subroutine clear
 
    !> Block of joint i of a batch
    pure elemental integer function block_of(i)
