@@ -197,6 +197,8 @@ contains
          g%apart = model%x0(batch%lead(:, 2), :) - model%x0(batch%lead(:, 1), :)
          g%plain = [(all(joint_types(batch%row)%free(1:3) == 0) .and. g%mean .and. &
             g%chart == CHART_VECTOR .and. norm2(batch%xl0(i, :)) <= 0.0_wp, i=1, batch%n)]
+         g%ball = g%chart == CHART_VECTOR .and. max(g%sprung, g%damped) <= 3 .and. &
+            (all(g%plain) .or. .not. g%mean)
          allocate (g%arm(batch%n, 6), g%triad(batch%n, 8), g%axis_angle(batch%n), source=0.0_wp)
          if (.not. is_spring(batch)) call set_rotations(model, batch)
          g%rail = rails(model, batch, g)

@@ -6,6 +6,7 @@
 !> couples A1(:, k) on the body of node 1, r x E(:, k) - A1(:, k) on the other, next to those of the
 !> arms; for rotation k the moment R(:, k) on body 1 and the opposite on body 2. Matrices are 9
 !> columns; all vectors W; r goes from node 1 to node 2.
+!> One file: charts share frames, turns and couples.
 !> Source: docs/theory/joints.md 2 to 7.
 module kj_consistent_chart
    use kj_kinds, only: wp
@@ -15,8 +16,8 @@ module kj_consistent_chart
    implicit none
    private
 
-   public :: relative_pose, twist_chart, vector_chart, first_skew, quaternion_frame, couple, &
-      spring_axes, count_turns
+   public :: relative_pose, twist_chart, vector_chart, nearest_vector, first_skew, &
+      quaternion_frame, couple, spring_axes, count_turns
 
    real(wp), parameter :: TWO_PI = 6.28318530717958647692528676656_wp
    real(wp), parameter :: SMALL = 1.0e-3_wp          !! angle below which a series is exact [rad]
@@ -279,10 +280,12 @@ contains
       real(wp), intent(out) :: rot(BLOCK, 9)
       real(wp), intent(out) :: em(BLOCK, 9)         !! the frame Em
 
-      real(wp) :: half(BLOCK, 4), q(BLOCK, 4), axis(BLOCK, 3), g(BLOCK), t(BLOCK), along
+      real(wp) :: half(BLOCK, 4), q(BLOCK, 4), axis(BLOCK, 3), along
+      real(wp), dimension(BLOCK) :: s, a, turns, g, t
       integer :: i, k
 
-      call nearest_vector(n, p, theta, axis, half, g, t)
+      call nearest_vector(n, p, theta, axis, s, a, turns)
+      call halve(n, p, s, a, turns, axis, half, g, t)
       call multiply(n, t1, half, q)
       call quaternion_frame(n, q, em)
       do k = 0, 2
@@ -332,16 +335,15 @@ contains
    end subroutine mean_vector
 
    !> Rotation vector a*axis of p nearest to the last vector; axis (1, 0, 0) for no turn at all
-   pure subroutine nearest_vector(n, p, theta, axis, half, g, t)
+   pure subroutine nearest_vector(n, p, theta, axis, s, a, turns)
       integer, value :: n
       real(wp), intent(in) :: p(BLOCK, 4)
       real(wp), intent(inout) :: theta(BLOCK, 3)    !! last vector in, new one out
       real(wp), intent(out) :: axis(BLOCK, 3)
-      real(wp), intent(out) :: half(BLOCK, 4)       !! quaternion of half the turn, but for its sign
-      real(wp), intent(out) :: g(BLOCK), t(BLOCK)   !! (a/2)/sin(a/2), tan(a/4)
+      real(wp), intent(out) :: s(BLOCK)             !! |sin(a/2)|
+      real(wp), intent(out) :: a(BLOCK), turns(BLOCK)   !! and its whole turns
 
-      real(wp) :: a(BLOCK), s(BLOCK), c(BLOCK), part, turns, inverse, half_c, half_s
-      logical :: turned
+      real(wp) :: c(BLOCK), inverse
       integer :: i
 
       !$omp simd
@@ -350,20 +352,36 @@ contains
          c(i) = abs(p(i, 1))
       end do
       call angles(n, s, c, a)
-      !$omp simd private(part, turns, inverse, half_c, half_s, turned)
+      !$omp simd private(inverse)
       do i = 1, n
          inverse = sign(1.0_wp, p(i, 1))/max(s(i), NO_TURN)   ! parts below it are next to nothing
          axis(i, 1) = merge(p(i, 2)*inverse, 1.0_wp, s(i) > NO_TURN)
          axis(i, 2) = p(i, 3)*inverse
          axis(i, 3) = p(i, 4)*inverse
-         turns = whole((theta(i, 1)*axis(i, 1) + theta(i, 2)*axis(i, 2) + &
+         turns(i) = whole((theta(i, 1)*axis(i, 1) + theta(i, 2)*axis(i, 2) + &
             theta(i, 3)*axis(i, 3) - 2.0_wp*a(i))*(1.0_wp/TWO_PI))
-         a(i) = 2.0_wp*a(i) + TWO_PI*turns
+         a(i) = 2.0_wp*a(i) + TWO_PI*turns(i)
          theta(i, 1) = a(i)*axis(i, 1)
          theta(i, 2) = a(i)*axis(i, 2)
          theta(i, 3) = a(i)*axis(i, 3)
-         turned = odd(turns)
-         half_c = sqrt(0.5_wp*(1.0_wp + c(i)))
+      end do
+   end subroutine nearest_vector
+
+   !> Half of the turn that nearest_vector has found
+   pure subroutine halve(n, p, s, a, turns, axis, half, g, t)
+      integer, value :: n
+      real(wp), intent(in) :: p(BLOCK, 4), s(BLOCK), a(BLOCK), turns(BLOCK), axis(BLOCK, 3)
+      real(wp), intent(out) :: half(BLOCK, 4)       !! quaternion, but for its sign
+      real(wp), intent(out) :: g(BLOCK), t(BLOCK)   !! (a/2)/sin(a/2), tan(a/4)
+
+      real(wp) :: part, half_c, half_s
+      logical :: turned
+      integer :: i
+
+      !$omp simd private(part, half_c, half_s, turned)
+      do i = 1, n
+         turned = odd(turns(i))
+         half_c = sqrt(0.5_wp*(1.0_wp + abs(p(i, 1))))
          half_s = 0.5_wp*s(i)/half_c
          half(i, 1) = merge(-half_s, half_c, turned)
          part = merge(half_c, half_s, turned)
@@ -375,7 +393,7 @@ contains
          g(i) = merge(0.5_wp*a(i), 1.0_wp + a(i)**2/24.0_wp, abs(a(i)) > SMALL)/ &
             merge(part, 1.0_wp, abs(a(i)) > SMALL)
       end do
-   end subroutine nearest_vector
+   end subroutine halve
 
    !> Axes of a block of springs and the couple on body 1 of a unit force along each, as the
    !> charts of joints have them (consistent formulation)

@@ -78,6 +78,7 @@ contains
       if (allocated(one%spring)) allocate (wide%spring(wide%n))
       wide%geometry%chart = one%geometry%chart
       wide%geometry%mean = one%geometry%mean
+      wide%geometry%ball = one%geometry%ball
       wide%geometry%sprung = one%geometry%sprung
       wide%geometry%damped = one%geometry%damped
       wide%geometry%shifted = one%geometry%shifted

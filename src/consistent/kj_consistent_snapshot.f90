@@ -11,6 +11,7 @@ module kj_consistent_snapshot
    use kj_block, only: BLOCK, turn_frames
    use kj_consistent_chart, only: quaternion_frame
    use kj_consistent_matrix, only: joint_rates
+   use kj_consistent_springs, only: turn_balls
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: spin_velocity
    use kj_consistent_conditions, only: body_matrix, held_force
@@ -220,7 +221,7 @@ contains
 
    subroutine show_joints(model, state, now)
       type(consistent_model_t), intent(in) :: model
-      type(consistent_state_t), intent(in) :: state
+      type(consistent_state_t), intent(inout) :: state
       type(snapshot_t), intent(inout) :: now
 
       integer :: b, j
@@ -231,6 +232,7 @@ contains
             call show_blocks(batch%n, joint, shown)
             if (allocated(geometry%rail)) call show_half_way(batch%xl0, geometry%rail, shown)
             if (batch%limited) shown%k_block = batch%limit%k_block
+            if (.not. allocated(state%compliant)) call turn_balls(batch, state%poses, joint)
             call joint_rates(batch, state%poses, joint, shown%rate)
             shown%ortho = 0.0_wp
             if (geometry%chart == CHART_UNIVERSAL) then
@@ -316,11 +318,7 @@ contains
       real(wp), intent(in) :: e(:, :)            !! (n, 9)
       real(wp) :: angle(size(e, 1))
 
-      integer :: j
-
-      do j = 1, size(angle)
-         angle(j) = abs(asin(max(-1.0_wp, min(1.0_wp, dot_product(e(j, 4:6), e(j, 7:9))))))
-      end do
+      angle = abs(asin(max(-1.0_wp, min(1.0_wp, sum(e(:, 4:6)*e(:, 7:9), dim=2)))))
    end function skewness
 
    !> Components of joints that need no frame, from the frame of body 1 to the mean frame, which is

@@ -1,5 +1,6 @@
 !> Forces of the joints of a batch under the consistent formulation: pass 1 of a step, coordinates,
 !> springs and limits from the poses. Pass 2, the dampers, is in kj_consistent_dampers.
+!> One file: what a pass does with a joint, from its ends to its wrench.
 !> Source: docs/theory/joints.md 2, 7, 8.
 module kj_consistent_springs
    use kj_kinds, only: wp
@@ -15,13 +16,13 @@ module kj_consistent_springs
    use kj_consistent_hardening, only: hardened_forces
    use kj_consistent_stop, only: add_limits
    use kj_consistent_friction, only: turn_in_frame
-   use kj_consistent_chart, only: relative_pose, twist_chart, vector_chart, first_skew, &
-      spring_axes, quaternion_frame, couple
+   use kj_consistent_chart, only: relative_pose, twist_chart, vector_chart, nearest_vector, &
+      first_skew, spring_axes, quaternion_frame, couple
    use kj_consistent_universal, only: universal_chart
    implicit none
    private
 
-   public :: add_springs, coordinates, laws
+   public :: add_springs, turn_balls, coordinates, laws
 
 contains
 
@@ -85,7 +86,7 @@ contains
       at = (from - 1)/BLOCK + 1
       if (damped > 0 .and. poses%h(1) > 0.0_wp) &
          call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
-      call coordinates(batch, .false., poses, from, n, state%q, q, state%b, rot)
+      call coordinates(batch, batch%geometry%ball, poses, from, n, state%q, q, state%b, rot)
       call laws(batch, curves, poses, from, n, q, at, state, joint, f, lost)
       call keep_coordinates(n, sprung, q, f, state)
       if (batch%limited) then
@@ -110,6 +111,24 @@ contains
       end if
       call put_wrench(n, batch%abreast, f(:, 1:3), moment, state%b, wrench(:, batch%first + from:))
    end subroutine springs_of
+
+   !> What steps leave out: the axes of the free rotations of balls
+   pure subroutine turn_balls(batch, poses, joint)
+      type(joint_batch_t), intent(in) :: batch
+      type(poses_t), intent(in) :: poses             !! of the coordinates of the joints
+      type(consistent_joint_t), intent(inout) :: joint
+
+      real(wp) :: q(BLOCK, 6), rot(BLOCK, 9)
+      integer :: from
+
+      if (.not. batch%geometry%ball) return
+      do from = 1, batch%n, BLOCK
+         associate (lanes => joint%block(block_of(from)))
+            call coordinates(batch, .false., poses, from, min(BLOCK, batch%n - from + 1), &
+               lanes%q, q, lanes%b, rot)
+         end associate
+      end do
+   end subroutine turn_balls
 
    !> Keep coordinates and spring forces, and count the work done on the springs
    pure subroutine keep_coordinates(n, sprung, q, f, state)
@@ -185,10 +204,10 @@ contains
    end subroutine laws
 
    !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
-   !> not those of B (CHART_VECTOR)
+   !> not those of B (CHART_VECTOR); brief: of balls alone, without these moments and those of B
    pure subroutine coordinates(batch, brief, poses, from, n, last, q, b, rot)
       type(joint_batch_t), intent(in) :: batch
-      logical, intent(in) :: brief                  !! plain joints: without three free rotations
+      logical, intent(in) :: brief
       type(poses_t), intent(in) :: poses
       integer, value :: from, n
       real(wp), intent(in) :: last(BLOCK, 6)        !! last coordinates
@@ -197,9 +216,9 @@ contains
       real(wp), intent(out) :: rot(BLOCK, 9)
 
       real(wp), dimension(BLOCK, 4) :: t1, t2, p
-      real(wp), dimension(BLOCK, 3) :: r, arm1, arm2, xl
+      real(wp), dimension(BLOCK, 3) :: r, arm1, arm2, xl, axis
       real(wp), dimension(BLOCK, 9) :: e
-      real(wp), dimension(BLOCK) :: angle, scalar
+      real(wp), dimension(BLOCK) :: angle, scalar, turns
       real(wp) :: share
       integer :: i, k
 
@@ -222,12 +241,13 @@ contains
             call ride_on_rail(n, scalar, t1, t2, p, r, b%turn, b%force, b%couple)
          end if
       case (CHART_VECTOR)
-         do i = 1, n
-            scalar(i) = merge(1.0_wp, 0.0_wp, batch%geometry%plain(from + i - 1))
-         end do
          if (brief) then
             if (batch%geometry%mean) call first_skew(n, t1, r, b%force, b%couple)
+            call nearest_vector(n, p, q(:, 4:6), axis, scalar, angle, turns)
          else
+            do i = 1, n
+               scalar(i) = merge(1.0_wp, 0.0_wp, batch%geometry%plain(from + i - 1))
+            end do
             call vector_chart(n, batch%geometry%mean, scalar, t1, p, r, q(:, 4:6), b%force, &
                b%couple, rot, b%turn)
          end if

@@ -92,7 +92,7 @@ contains
       same = all(a%lead == b%lead)
       associate (g => a%geometry, h => b%geometry)
          same = same .and. g%chart == h%chart .and. (g%mean .eqv. h%mean) .and. &
-            g%sprung == h%sprung .and. g%damped == h%damped .and. &
+            (g%ball .eqv. h%ball) .and. g%sprung == h%sprung .and. g%damped == h%damped .and. &
             (g%shifted .eqv. h%shifted) .and. (g%implicit .eqv. h%implicit) .and. &
             (allocated(g%rail) .eqv. allocated(h%rail))
       end associate

@@ -50,6 +50,8 @@ module kj_joint_batch
       integer :: sprung = 0, damped = 0          !! the dofs 1 to 0, 3 or 6 may have such forces
       logical :: shifted = .false.               !! some angle does not start at 0
       logical :: implicit = .false.              !! blocked directions and locks are implicit
+      !> three free rotations without forces, and no translations that need their mean frame
+      logical :: ball = .false.
       !> (n) equal springs without a length: no frame needed
       logical, allocatable :: plain(:)
       !> (n, 6) node 1 and node 2 from their leads, body axes
