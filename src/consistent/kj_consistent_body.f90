@@ -12,8 +12,8 @@ module kj_consistent_body
    implicit none
    private
 
-   public :: kick, drift, predict, spin_velocity, spin, inverse_inertias, inertias_of, columns, &
-      turn_in_space, midpoint_drift, midpoint_turn
+   public :: kick, drift, predict, spin_velocity, spin, inverse_inertias, inertias_of, &
+      lead_frames, columns, turn_in_space, midpoint_drift, midpoint_turn
 
    integer, parameter :: MOST_ROUNDS = 30        !! of Newton's method
 
@@ -204,10 +204,10 @@ contains
 
    !> Velocities of the poses of n leads from ... after another half kick: v + h/2 f/m,
    !> J^-1 (L + h/2 t), with what the host of single joints adds to f and t
-   pure subroutine predict(n, from, model, h, state)
+   pure subroutine predict(n, from, model, h, e, state)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h(n)
+      real(wp), intent(in) :: h(n), e(BLOCK, 9)      !! frames of the leads
       type(consistent_state_t), intent(inout) :: state
 
       real(wp), dimension(BLOCK, 3) :: f, t, l
@@ -228,7 +228,7 @@ contains
             l(i, k) = state%l(j, k) + 0.5_wp*h(i)*t(i, k)
          end do
       end do
-      call spin_block(n, from, model, state%poses%quat, l, state%poses%w)
+      call spin_block(n, from, model, e, l, state%poses%w)
    end subroutine predict
 
    !> w = J^-1 L of leads lo..hi
@@ -253,30 +253,41 @@ contains
       real(wp), contiguous, intent(in) :: quat(:, :), l(:, :)
       real(wp), contiguous, intent(inout) :: w(:, :)
 
-      real(wp) :: part(BLOCK, 3)
+      real(wp) :: part(BLOCK, 3), e(BLOCK, 9)
       integer :: k
 
       do k = 1, 3
          part(:n, k) = l(from:from + n - 1, k)
       end do
-      call spin_block(n, from, model, quat, part, w)
+      call lead_frames(n, from, quat, e)
+      call spin_block(n, from, model, e, part, w)
    end subroutine spin
 
-   !> w = J^-1 L of n leads from ..., L of these alone
-   pure subroutine spin_block(n, from, model, quat, l, w)
+   !> Principal axes of n leads from ..., at most BLOCK
+   pure subroutine lead_frames(n, from, quat, e)
       integer, value :: n, from
-      type(consistent_model_t), intent(in) :: model
       real(wp), contiguous, intent(in) :: quat(:, :)
-      real(wp), intent(in) :: l(BLOCK, 3)
-      real(wp), contiguous, intent(inout) :: w(:, :)
+      real(wp), intent(out) :: e(BLOCK, 9)
 
-      real(wp) :: q(BLOCK, 4), e(BLOCK, 9), s1, s2, s3
-      integer :: i, j, k
+      real(wp) :: q(BLOCK, 4)
+      integer :: k
 
       do k = 1, 4
          q(:n, k) = quat(from:from + n - 1, k)
       end do
       call quaternion_frame(n, q, e)
+   end subroutine lead_frames
+
+   !> w = J^-1 L of n leads from ..., frames and L of these alone
+   pure subroutine spin_block(n, from, model, e, l, w)
+      integer, value :: n, from
+      type(consistent_model_t), intent(in) :: model
+      real(wp), intent(in) :: e(BLOCK, 9), l(BLOCK, 3)
+      real(wp), contiguous, intent(inout) :: w(:, :)
+
+      real(wp) :: s1, s2, s3
+      integer :: i, j
+
       !$omp simd private(j, s1, s2, s3)
       do i = 1, n
          j = from + i - 1
@@ -296,28 +307,26 @@ contains
       integer, intent(in) :: lo, hi
       real(wp), contiguous, intent(inout) :: ij(:, :) !! (n_lead, 6)
 
-      integer :: from
+      real(wp) :: e(BLOCK, 9)
+      integer :: from, n
 
       do from = lo, hi, BLOCK
-         call inertias_of(min(BLOCK, hi - from + 1), from, model, quat, ij)
+         n = min(BLOCK, hi - from + 1)
+         call lead_frames(n, from, quat, e)
+         call inertias_of(n, from, model, e, ij)
       end do
    end subroutine inverse_inertias
 
    !> The same of n leads from ..., at most BLOCK
-   pure subroutine inertias_of(n, from, model, quat, ij)
+   pure subroutine inertias_of(n, from, model, e, ij)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
-      real(wp), contiguous, intent(in) :: quat(:, :)
+      real(wp), intent(in) :: e(BLOCK, 9)             !! frames of these leads
       real(wp), contiguous, intent(inout) :: ij(:, :)
 
       integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
-      real(wp) :: q(BLOCK, 4), e(BLOCK, 9)
       integer :: i, j, k
 
-      do k = 1, 4
-         q(:n, k) = quat(from:from + n - 1, k)
-      end do
-      call quaternion_frame(n, q, e)
       do k = 1, 6
          !$omp simd private(j)
          do i = 1, n

@@ -93,6 +93,10 @@ contains
 
       state%compliant%y = 0.0_wp                 ! no step
       call open_leads(model, state%compliant%y(:, 1), 1, model%n_lead, state)
+      state%f = 0.0_wp
+      state%t = 0.0_wp
+      state%own_f = 0.0_wp
+      state%own_t = 0.0_wp
       state%poses%v = state%v
       state%poses%psi = 0.0_wp
       state%poses%h = 0.0_wp

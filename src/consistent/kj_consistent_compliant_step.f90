@@ -9,7 +9,7 @@ module kj_consistent_compliant_step
    use kj_consistent_compliance, only: compliance, end_inertias
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: inverse_inertias, spin
-   use kj_consistent_leads, only: move_leads, look_leads, kick_leads
+   use kj_consistent_leads, only: move_leads, look_leads, kick_leads, no_forces
    use kj_consistent_conditions, only: count_work, FIRST_HALF, SECOND_HALF
    use kj_consistent_motion, only: motion_targets
    use kj_consistent_load, only: add_loads, find_gravity, add_gravity, count_gravity, add_host_loads
@@ -139,6 +139,8 @@ contains
             push_joints%changed = pass > 0
             call over_joints(model, push_joints, state, self)
             call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
+            call no_forces(1, model%n_lead, model%n_lead, state%f, state%t)
+            call no_forces(1, model%n_lead, size(state%own_f, 1), state%own_f, state%own_t)
             see_joints%first = pass == 0 .and. .not. settled
             call over_joints(model, see_joints, state, self)
             good = left(1) <= CLOSE*self%e_way + ROUNDING*scale .and. &

@@ -7,13 +7,14 @@ module kj_consistent_leads
    use kj_lead_map, only: lead_map_t, gather_wrench, gather_abreast, first_hub, N_SUM, SPAN
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
-   use kj_consistent_body, only: midpoint_drift, kick, drift, predict, spin, inertias_of
+   use kj_consistent_body, only: midpoint_drift, kick, drift, predict, spin, inertias_of, &
+      lead_frames
    use kj_consistent_conditions, only: project, keep_rates, hold_rotations, project_rates, &
       FIRST_HALF, SECOND_HALF
    implicit none
    private
 
-   public :: move_leads, open_leads, look_leads, kick_leads, gather
+   public :: move_leads, open_leads, look_leads, kick_leads, gather, no_forces
 
    !> What is done with the leads that move
    integer, parameter :: MOVE = 1, LOOK = 2, KICKING = 3
@@ -21,8 +22,7 @@ module kj_consistent_leads
 contains
 
    !> First half kick and drift of leads lo..hi, with their conditions, and what they need before
-   !> the forces of the new pose. lo is the first lead of a block. Leads that rest have impulses
-   !> alone: where they stand at either end of a block it does not see them.
+   !> the forces of the new pose. lo is the first lead of a block.
    subroutine move_leads(model, midpoint, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       logical, intent(in) :: midpoint                !! liemid instead of split2
@@ -30,13 +30,11 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      call add_impulses(model, h, lo, hi, state)
       call work_on_movers(MOVE, model, midpoint, h, lo, hi, state)
-      call no_forces(lo, hi, model%n_lead, size(state%own_f, 1), state%f, state%t, state%own_f, &
-         state%own_t)
    end subroutine move_leads
 
-   !> One thing with all leads among lo..hi that move
+   !> One thing with all leads among lo..hi that move. Leads that rest have impulses alone: where
+   !> they stand at either end of a block it does not see them.
    subroutine work_on_movers(what, model, midpoint, h, lo, hi, state)
       integer, intent(in) :: what
       type(consistent_model_t), intent(in) :: model
@@ -45,10 +43,18 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, n, lane, many
+      integer :: from, lead, n, lane, many
 
       do from = lo, hi, BLOCK
          call movers(model, from, lane, n)
+         if (what /= LOOK) then
+            do lead = from, from + lane - 2
+               call add_impulses(1, lead, model, h(lead - from + 1:), state)
+            end do
+            do lead = from + lane + n - 1, min(from + BLOCK - 1, hi)
+               call add_impulses(1, lead, model, h(lead - from + 1:), state)
+            end do
+         end if
          do while (n > 0)
             many = part_of(n, model, from)
             select case (many)                          ! few leads: kernels of their own
@@ -99,9 +105,12 @@ contains
       integer, intent(in) :: lo
       integer, intent(out) :: lane, n
 
+      lane = 1
+      n = 0
       associate (m => model%mover(:, block_of(lo)))
+         if (m(1) == 0) return
          lane = m(1) - lo + 1
-         n = merge(m(2) - m(1) + 1, 0, m(1) > 0)
+         n = m(2) - m(1) + 1
       end associate
    end subroutine movers
 
@@ -125,6 +134,7 @@ contains
 
       integer :: i, k, first, last
 
+      call add_impulses(n, from, model, h, state)
       call holds(model, from, first, last)
       if (last >= first) call keep_rates(model, first, last, state)
       call kick(n, from, model, h, state)
@@ -162,43 +172,43 @@ contains
       last = model%hold_to(block_of(lead))
    end subroutine holds
 
-   !> Half a step of the impulses of joints and of loads on secondary nodes
-   pure subroutine add_impulses(model, h, lo, hi, state)
+   !> Half a step of the impulses of joints and of loads on secondary nodes, for the bodies of n
+   !> leads from ...
+   pure subroutine add_impulses(n, from, model, h, state)
+      integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h(BLOCK)
-      integer, intent(in) :: lo, hi
+      real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from
-
-      do from = lo, min(hi, model%n_body), BLOCK
-         call add_impulse(from, min(from + BLOCK - 1, hi, model%n_body), model%n_lead, &
-            model%n_body, h, state%f, state%t, state%own_f, state%own_t, state%impulse, &
-            state%angular_impulse)
-      end do
+      if (from + n - 1 <= model%n_body) then
+         call add_impulse(n, from, model%n_lead, model%n_body, h, state%f, state%t, state%own_f, &
+            state%own_t, state%impulse, state%angular_impulse)
+      else
+         call add_impulse(model%n_body - from + 1, from, model%n_lead, model%n_body, h, state%f, &
+            state%t, state%own_f, state%own_t, state%impulse, state%angular_impulse)
+      end if
    end subroutine add_impulses
 
-   !> p += h/2 (f - own_f), l += h/2 (t - own_t) of bodies lo..hi
-   pure subroutine add_impulse(lo, hi, n_lead, n_body, h, f, t, own_f, own_t, p, l)
-      integer, value :: lo, hi, n_lead, n_body
-      real(wp), intent(in) :: h(lo:hi)
+   !> p += h/2 (f - own_f), l += h/2 (t - own_t) of n bodies from ...
+   pure subroutine add_impulse(n, from, n_lead, n_body, h, f, t, own_f, own_t, p, l)
+      integer, value :: n, from, n_lead, n_body
+      real(wp), intent(in) :: h(n)
       real(wp), intent(in), dimension(n_lead, 3) :: f, t, own_f, own_t
       real(wp), intent(inout) :: p(n_body, 3), l(n_body, 3)
 
-      integer :: i
+      integer :: i, j, k
 
-      !$omp simd
-      do i = lo, hi
-         p(i, 1) = p(i, 1) + 0.5_wp*h(i)*(f(i, 1) - own_f(i, 1))
-         p(i, 2) = p(i, 2) + 0.5_wp*h(i)*(f(i, 2) - own_f(i, 2))
-         p(i, 3) = p(i, 3) + 0.5_wp*h(i)*(f(i, 3) - own_f(i, 3))
-         l(i, 1) = l(i, 1) + 0.5_wp*h(i)*(t(i, 1) - own_t(i, 1))
-         l(i, 2) = l(i, 2) + 0.5_wp*h(i)*(t(i, 2) - own_t(i, 2))
-         l(i, 3) = l(i, 3) + 0.5_wp*h(i)*(t(i, 3) - own_t(i, 3))
+      do k = 1, 3
+         !$omp simd private(i)
+         do j = 1, n
+            i = from + j - 1
+            p(i, k) = p(i, k) + 0.5_wp*h(j)*(f(i, k) - own_f(i, k))
+            l(i, k) = l(i, k) + 0.5_wp*h(j)*(t(i, k) - own_t(i, k))
+         end do
       end do
    end subroutine add_impulse
 
-   !> Angular velocities in the pose reached, the other half of the turn, and no forces yet
+   !> Angular velocities in the pose reached, and the other half of the turn
    subroutine open_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       integer, intent(in) :: lo, hi
@@ -210,8 +220,6 @@ contains
       do from = lo, hi, BLOCK
          call open_block(min(BLOCK, hi - from + 1), from, model, h(from:), state)
       end do
-      call no_forces(lo, hi, model%n_lead, size(state%own_f, 1), state%f, state%t, state%own_f, &
-         state%own_t)
    end subroutine open_leads
 
    pure subroutine open_block(n, from, model, h, state)
@@ -232,22 +240,6 @@ contains
       end do
    end subroutine open_block
 
-   pure subroutine no_forces(lo, hi, n_lead, n_own, f, t, own_f, own_t)
-      integer, value :: lo, hi, n_lead, n_own        !! n_own: 0 or n_lead
-      real(wp), intent(inout) :: f(n_lead, 3), t(n_lead, 3), own_f(n_own, 3), own_t(n_own, 3)
-
-      integer :: i, k
-
-      do i = lo, hi
-         do k = 1, 3
-            f(i, k) = 0.0_wp
-            t(i, k) = 0.0_wp
-            if (n_own > 0) own_f(i, k) = 0.0_wp
-            if (n_own > 0) own_t(i, k) = 0.0_wp
-         end do
-      end do
-   end subroutine no_forces
-
    !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
    !> inertias
    subroutine look_leads(model, h, lo, hi, state)
@@ -265,12 +257,14 @@ contains
       real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
 
+      real(wp) :: e(BLOCK, 9)
       integer :: first, last
 
       call holds(model, from, first, last)
-      call predict(n, from, model, h, state)
+      call lead_frames(n, from, state%poses%quat, e)
+      call predict(n, from, model, h, e, state)
       if (last >= first) call project_rates(model, state%final, state%active, first, last, state)
-      call inertias_of(n, from, model, state%poses%quat, state%poses%ij)
+      call inertias_of(n, from, model, e, state%poses%ij)
    end subroutine look_block
 
    !> Second half kick of leads lo..hi and the sum of turns
@@ -280,7 +274,6 @@ contains
       integer, intent(in) :: lo, hi                  !! lo is the first lead of a block
       type(consistent_state_t), intent(inout) :: state
 
-      call add_impulses(model, h, lo, hi, state)
       call work_on_movers(KICKING, model, .false., h, lo, hi, state)
    end subroutine kick_leads
 
@@ -292,6 +285,7 @@ contains
 
       integer :: i, k, first, last
 
+      call add_impulses(n, from, model, h, state)
       call holds(model, from, first, last)
       if (last >= first) call keep_rates(model, first, last, state)
       call kick(n, from, model, h, state)
@@ -304,9 +298,11 @@ contains
       end do
    end subroutine kick_block
 
-   !> Add the wrenches of the joints to the leads lo..hi, at most BLOCK
-   pure subroutine gather(model, lo, hi, state)
+   !> The wrenches of the joints on the leads lo..hi, at most BLOCK: all that acts on them so far
+   !> (afresh), or more of it
+   pure subroutine gather(model, afresh, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
+      logical, intent(in) :: afresh
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
@@ -314,29 +310,51 @@ contains
       integer :: n
 
       if (.not. model%map%abreast) then
-         call add_wrenches(model%map, lo, hi, model%n_lead, size(state%wrench, 2), state%wrench, &
-            state%part, state%f, state%t)
+         call add_wrenches(model%map, afresh, lo, hi, model%n_lead, size(state%wrench, 2), &
+            size(state%own_f, 1), state%wrench, state%part, state%f, state%t, state%own_f, &
+            state%own_t)
          return
       end if
       n = hi - lo + 1
       call gather_abreast(model%map, state%wrench, lo, n, totals)
+      if (afresh) call no_forces(lo, hi, model%n_lead, state%f, state%t)
+      if (afresh) call no_forces(lo, hi, model%n_lead, state%own_f, state%own_t)
       state%f(lo:hi, :) = state%f(lo:hi, :) + totals(:n, :3)
       state%t(lo:hi, :) = state%t(lo:hi, :) + totals(:n, 4:)
    end subroutine gather
 
-   pure subroutine add_wrenches(map, lo, hi, n_lead, n_joint, wrench, part, f, t)
-      type(lead_map_t), intent(in) :: map
-      integer, value :: lo, hi, n_lead, n_joint
-      real(wp), intent(in) :: wrench(N_CONSISTENT_WRENCH, n_joint), part(:, :)
+   !> f = 0 and t = 0 of leads lo..hi
+   pure subroutine no_forces(lo, hi, n_lead, f, t)
+      integer, value :: lo, hi, n_lead               !! n_lead: 0 where there are no f and t
       real(wp), intent(inout) :: f(n_lead, 3), t(n_lead, 3)
 
-      real(wp) :: total(N_SUM)
+      integer :: i, k
+
+      if (n_lead == 0) return
+      do i = lo, hi
+         do k = 1, 3
+            f(i, k) = 0.0_wp
+            t(i, k) = 0.0_wp
+         end do
+      end do
+   end subroutine no_forces
+
+   pure subroutine add_wrenches(map, afresh, lo, hi, n_lead, n_joint, n_own, wrench, part, f, t, &
+      own_f, own_t)
+      type(lead_map_t), intent(in) :: map
+      logical, intent(in) :: afresh
+      integer, value :: lo, hi, n_lead, n_joint, n_own   !! n_own: n_lead, or 0
+      real(wp), intent(in) :: wrench(N_CONSISTENT_WRENCH, n_joint), part(:, :)
+      real(wp), intent(inout) :: f(n_lead, 3), t(n_lead, 3), own_f(n_own, 3), own_t(n_own, 3)
+
+      real(wp) :: total(6), of_hub(N_SUM)
       integer :: lead, hub, i, j, k
 
       hub = first_hub(map, lo)
       do lead = lo, hi
          if (map%first(lead + 1) - map%first(lead) > SPAN) then
-            call gather_wrench(map, wrench, part, lead, hub, total)
+            call gather_wrench(map, wrench, part, lead, hub, of_hub)
+            total = of_hub(:6)
          else
             total = 0.0_wp
             do i = map%first(lead), map%first(lead + 1) - 1
@@ -353,9 +371,20 @@ contains
                end if
             end do
          end if
+         if (.not. afresh) then
+            do k = 1, 3
+               total(k) = f(lead, k) + total(k)
+               total(k + 3) = t(lead, k) + total(k + 3)
+            end do
+         else if (n_own > 0) then
+            do k = 1, 3
+               own_f(lead, k) = 0.0_wp
+               own_t(lead, k) = 0.0_wp
+            end do
+         end if
          do k = 1, 3
-            f(lead, k) = f(lead, k) + total(k)
-            t(lead, k) = t(lead, k) + total(k + 3)
+            f(lead, k) = total(k)
+            t(lead, k) = total(k + 3)
          end do
       end do
    end subroutine add_wrenches

@@ -239,7 +239,7 @@ contains
          hi = min(lo + BLOCK - 1, piece(2))
          if (has(MOVE)) call move_leads(model, step%midpoint, state%poses%h, lo, hi, state)
          if (has(OPEN)) call open_leads(model, state%poses%h, lo, hi, state)
-         if (has(GATHERING)) call gather(model, lo, hi, state)
+         if (has(GATHERING)) call gather(model, has(WEIGH), lo, hi, state)
          if (has(WEIGH)) call add_gravity(model, lo, hi, state)
          if (has(LOOK)) call look_leads(model, state%poses%h, lo, hi, state)
          if (has(KICKING)) call kick_leads(model, state%poses%h, lo, hi, state)

@@ -151,7 +151,8 @@ contains
       type(lead_map_t), intent(in) :: map
       integer, intent(in) :: lo
 
-      first_hub = lower_bound(map%hub, lo)
+      first_hub = 1
+      if (size(map%hub) > 0) first_hub = lower_bound(map%hub, lo)
    end function first_hub
 
    !> The sum of one lead: force, moment, kn, kr
