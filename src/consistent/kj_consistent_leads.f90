@@ -4,7 +4,7 @@
 module kj_consistent_leads
    use kj_kinds, only: wp
    use kj_block, only: BLOCK, block_of, group_of
-   use kj_lead_map, only: lead_map_t, gather_wrench, gather_abreast, first_hub, N_SUM, SPAN
+   use kj_lead_map, only: lead_map_t, gather_abreast, first_hub, is_hub, sum_hub, N_SUM
    use kj_consistent_matrix, only: N_CONSISTENT_WRENCH
    use kj_consistent_state, only: consistent_model_t, consistent_state_t
    use kj_consistent_body, only: midpoint_drift, kick, drift, predict, spin, inertias_of, &
@@ -352,8 +352,8 @@ contains
 
       hub = first_hub(map, lo)
       do lead = lo, hi
-         if (map%first(lead + 1) - map%first(lead) > SPAN) then
-            call gather_wrench(map, wrench, part, lead, hub, of_hub)
+         if (is_hub(map, lead)) then
+            call sum_hub(map, part, hub, of_hub)
             total = of_hub(:6)
          else
             total = 0.0_wp

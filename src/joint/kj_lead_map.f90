@@ -8,8 +8,8 @@ module kj_lead_map
    implicit none
    private
 
-   public :: lead_map_t, build_lead_map, sum_hubs, gather_wrenches, gather_wrench, &
-      gather_abreast, first_hub
+   public :: lead_map_t, build_lead_map, sum_hubs, gather_wrenches, gather_abreast, first_hub, &
+      is_hub, sum_hub
 
    !> Rows of the wrench of a joint
    integer, parameter, public :: W_FORCE = 1     !! 1-3: force on end 1, W; end 2 gets the opposite
@@ -19,7 +19,7 @@ module kj_lead_map
    integer, parameter, public :: W_KR1 = 12, W_KR2 = 13   !! and rotation, at the lead
    integer, parameter, public :: N_WRENCH = 13
 
-   integer, parameter, public :: SPAN = 64
+   integer, parameter :: SPAN = 64
    integer, parameter, public :: N_SUM = 8        !! rows of a sum: force, moment, kn, kr
    integer, parameter :: WORTH_IT = 32            !! parts that threads share
 
@@ -129,22 +129,52 @@ contains
       !> (>= hi - lo + 1, 3), W, and (>= hi - lo + 1)
       real(wp), contiguous, intent(inout) :: f(lo:, :), m(lo:, :), kn(lo:), kr(lo:)
 
-      real(wp) :: total(N_SUM)
-      integer :: lead, h
+      real(wp) :: total(N_SUM), of_hub(N_SUM)
+      logical :: stiff
+      integer :: lead, h, i, j, k
 
+      stiff = size(wrench, 1) >= W_KR2
       h = first_hub(map, lo)
       do lead = lo, hi
-         call gather_wrench(map, wrench, part, lead, h, total)
-         f(lead, 1) = total(1)
-         f(lead, 2) = total(2)
-         f(lead, 3) = total(3)
-         m(lead, 1) = total(4)
-         m(lead, 2) = total(5)
-         m(lead, 3) = total(6)
+         if (is_hub(map, lead)) then
+            call sum_hub(map, part, h, of_hub)
+            total = of_hub
+         else
+            total = 0.0_wp
+            do i = map%first(lead), map%first(lead + 1) - 1
+               j = map%joint(i)
+               if (j > 0) then
+                  do k = 1, 6
+                     total(k) = total(k) + wrench(k, j)
+                  end do
+                  if (stiff) total(7) = total(7) + wrench(W_KN1, j)
+                  if (stiff) total(8) = total(8) + wrench(W_KR1, j)
+               else
+                  do k = 1, 3
+                     total(k) = total(k) - wrench(k, -j)
+                     total(k + 3) = total(k + 3) + wrench(k + 6, -j)
+                  end do
+                  if (stiff) total(7) = total(7) + wrench(W_KN2, -j)
+                  if (stiff) total(8) = total(8) + wrench(W_KR2, -j)
+               end if
+            end do
+         end if
+         do k = 1, 3
+            f(lead, k) = total(k)
+            m(lead, k) = total(k + 3)
+         end do
          kn(lead) = total(7)
          kr(lead) = total(8)
       end do
    end subroutine gather_wrenches
+
+   !> A lead with more than SPAN joint ends
+   pure logical function is_hub(map, lead)
+      type(lead_map_t), intent(in) :: map
+      integer, intent(in) :: lead
+
+      is_hub = map%first(lead + 1) - map%first(lead) > SPAN
+   end function is_hub
 
    !> The first hub that is lead `lo` or comes after it
    pure integer function first_hub(map, lo)
@@ -155,29 +185,21 @@ contains
       if (size(map%hub) > 0) first_hub = lower_bound(map%hub, lo)
    end function first_hub
 
-   !> The sum of one lead: force, moment, kn, kr
-   pure subroutine gather_wrench(map, wrench, part, lead, hub, total)
+   !> The sum of a hub over its parts: force, moment, kn, kr
+   pure subroutine sum_hub(map, part, hub, total)
       type(lead_map_t), intent(in) :: map
-      real(wp), contiguous, intent(in) :: wrench(:, :)    !! (rows of one, n_joint)
       real(wp), intent(in) :: part(:, :)         !! (N_SUM, parts), see sum_hubs
-      integer, intent(in) :: lead
-      integer, intent(inout) :: hub              !! first hub not before lead; then the next
+      integer, intent(inout) :: hub              !! its number; then the next
       real(wp), intent(out) :: total(N_SUM)
 
       integer :: p
 
-      if (hub <= size(map%hub)) then
-         if (lead == map%hub(hub)) then
-            total = 0.0_wp
-            do p = map%part(hub), map%part(hub + 1) - 1
-               total = total + part(:, p)
-            end do
-            hub = hub + 1
-            return
-         end if
-      end if
-      call sum_entries(map%first(lead), map%first(lead + 1) - 1, map%joint, wrench, total)
-   end subroutine gather_wrench
+      total = 0.0_wp
+      do p = map%part(hub), map%part(hub + 1) - 1
+         total = total + part(:, p)
+      end do
+      hub = hub + 1
+   end subroutine sum_hub
 
    !> Force and moment of the first n leads of the block that begins with lo, of joints abreast
    pure subroutine gather_abreast(map, wrench, lo, n, total)

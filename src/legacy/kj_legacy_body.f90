@@ -153,7 +153,7 @@ contains
 
       !$omp simd
       do i = 1, n
-         y(i) = merge(x(i), 0.0_wp, m(i) > 0.0_wp)/merge(m(i), 1.0_wp, m(i) > 0.0_wp)
+         y(i) = merge(x(i), 0.0_wp, m(i) > 0.0_wp)/max(m(i), tiny(m))
       end do
    end subroutine divide
 

@@ -209,9 +209,9 @@ contains
       integer :: dof, s, to
 
       to = from + n - 1
-      zero = 0.0_wp
       renew = any(batch%law >= LAW_SPRING_CURVE)
       if (renew) then
+         zero(:n) = 0.0_wp
          k_top(:n, :) = batch%k_top(from:to, :)
          c_top(:n, :) = batch%c_top(from:to, :)
       end if
