@@ -43,6 +43,7 @@ module kj_run_command
       character(len=:), allocatable :: holder    !! of the time step; '' none
       type(text_t), allocatable :: worst(:)      !! what gave way most, in lines
       character(len=:), allocatable :: worst_json
+      logical :: rigid = .false.                 !! Kn = infinity
    end type outcome_t
 
 contains
@@ -86,6 +87,7 @@ contains
       if (tracer%stopped .or. tracer%killed) code = STOPPED
       if (caught_signal() > 0) code = 128 + caught_signal()
       outcome%code = code
+      outcome%rigid = options%kn == 'inf'
       if (args%given(OPT_JSON)) then
          call print_json(outcome, findings, error)
          return
@@ -203,8 +205,13 @@ contains
                str(nint(s%cycle/(COST*s%compliant_steps)))//' times as fast: --error '// &
                trim(adjustl(buffer)))
          end if
-         if (s%unresolved > 0.0_wp) call print_line('   not resolved  ringing of joints, about '// &
-            few(s%unresolved, 2)//' of the size of the scene; split2 shows it')
+         if (s%unresolved > 0.0_wp .and. outcome%rigid) then
+            call print_line('   not rigid     joints give way by '//few(s%unresolved, 2)// &
+               ' of the size of the scene: masses are too unlike')
+         else if (s%unresolved > 0.0_wp) then
+            call print_line('   not resolved  ringing of joints, about '// &
+               few(s%unresolved, 2)//' of the size of the scene; split2 shows it')
+         end if
          write (buffer, '(f12.3,a)') outcome%elapsed, ' s  ('
          call print_line('   wall time     '//trim(adjustl(buffer))// &
                          rate(real(s%cycle, wp)/seconds)//' cycles/s, '// &

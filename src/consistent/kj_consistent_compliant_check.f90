@@ -67,7 +67,8 @@ contains
    end subroutine compliant_outlook
 
    !> What joints gave way by in a run, over the size of the scene or in rad; 0: little beside the
-   !> error that was asked for. Their springs ring about as far, which long steps do not show.
+   !> error that was asked for. Their springs ring about as far, which long steps do not show;
+   !> rigid ones are not where a body carries one that is some 1e6 times as heavy.
    pure real(wp) function unresolved(model, pace, gap, turn)
       type(consistent_model_t), intent(in) :: model
       type(pace_t), intent(in) :: pace

@@ -192,6 +192,16 @@ class Benchmarks(unittest.TestCase):
         self.assertNotIn("not resolved", scene(scenes.slider_crank(), 0.1, 0.01).text)
         self.assertNotIn("not resolved", scene(scenes.pair(), 0.5, 0.01, *INF).text)
 
+    def test_masses_that_no_rigid_joint_carries_are_told(self):
+        """A rod of 1 kg with one of 1e6 kg at its end: the upper joint is as rigid as its rod alone asks for, a millionth of
+        the way of a step, and carries a million times that"""
+        for mass, told in ((1e6, True), (1e2, False)):
+            build = scenes.Scene()
+            build.join(scenes.SPHERICAL, build.body((0, 0, 0), 1, (1, 1, 1), held=True), build.rod((0, 0, 0), (1, 0, 0)), (0, 0, 0))
+            build.join(scenes.SPHERICAL, 2, build.rod((1, 0, 0), (2, 0, 0), mass), (1, 0, 0))
+            run = scene(build, 0.6, 0.06, *INF)
+            self.assertEqual("not rigid     joints give way" in run.text, told, run.text)
+
     def test_errors_of_dense_samples(self):
         """A bar of 1 m swings for 10 s; with 1000 samples single steps are cheap. They were wrong by 1.9e-3 m"""
         _, error = benchmark("IFA01")
