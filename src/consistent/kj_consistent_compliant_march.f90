@@ -385,8 +385,9 @@ contains
       real(wp), intent(in) :: h
       type(pace_t), intent(in) :: self
 
-      e = max(ROUNDING, self%tolerance/self%span*max(h, LEAST_PART*solves_a_step(self)* &
-         state%time/max(1, state%cycle)))
+      e = self%tolerance/self%span*max(h, LEAST_PART*solves_a_step(self)*state%time/ &
+         max(1, state%cycle))
+      e = max(e, merge(error_of_pair(ROUNDING), ROUNDING, self%paired))
    end function allowed_error
 
    !> Estimated error of the last step, of the size of the scene or in rad. That of a pair: the
@@ -398,13 +399,20 @@ contains
       if (self%paired) then
          e = self%wrong(2)
          if (c%size > 0.0_wp) e = max(e, self%wrong(1)/c%size)
-         e = e**(5.0_wp/3.0_wp)
+         e = error_of_pair(e)
       else
          e = c%e_turn
          if (c%size > 0.0_wp) e = max(e, c%e_way/c%size)
          e = LATER*e
       end if
    end function error_of
+
+   !> What is left of the error d of the long step: (h/tau)**3, (h/tau)**5
+   pure real(wp) function error_of_pair(d) result(e)
+      real(wp), intent(in) :: d
+
+      e = d**(5.0_wp/3.0_wp)
+   end function error_of_pair
 
    !> The order that takes fewer solves. The error of a short step is c h**3 by the last steps.
    subroutine choose_order(model, allowed, size, self)
@@ -426,7 +434,7 @@ contains
       self%c = c
       turn = self%h_turn/merge(WIDER, 1.0_wp, self%paired)
       h(1) = min(0.9_wp*sqrt(allowed/c), turn)
-      h(2) = min(0.9_wp*(allowed/(0.75_wp/LATER*c)**(5.0_wp/3.0_wp))**0.25_wp, WIDER*turn)
+      h(2) = min(0.9_wp*(allowed/error_of_pair(0.75_wp/LATER*c))**0.25_wp, WIDER*turn)
       h = min(h, self%h_bound, self%most)
       interval = model%control%sample
       if (.not. interval > 0.0_wp) interval = self%span

@@ -152,6 +152,12 @@ class Benchmarks(unittest.TestCase):
         order = np.log(errors[0] / errors[1]) / np.log(runs[1].cycles / runs[0].cycles)
         self.assertAlmostEqual(order, 4.0, delta=0.5)
 
+    def test_small_tolerances_are_kept(self):
+        """A thousandth of the tolerance is a thousandth of the error, less what rounding takes. Below 1e-8 steps of single order
+        are no better; pairs stopped there, too, and it was a fortieth"""
+        runs = [scene(scenes.governor(), 0.2, 0.04, *INF, "--error", error) for error in (1e-8, 1e-11, 1e-13)]
+        self.assertLess(apart(runs[1], runs[2]), 0.01 * apart(runs[0], runs[2]))
+
     def test_a_long_run_from_rest(self):
         """A point mass with a spin inertia of its own on a hinge, level at first: (m l^2 + J) angle'' = -m g l cos(angle).
         Neither its speed nor the error of the first steps tells how long they may be"""
