@@ -12,6 +12,7 @@ module kj_h5
       h5dont_atexit_f, &
       h5eset_auto_f, h5get_libversion_f, h5fcreate_f, h5fopen_f, h5fclose_f, &
       h5gcreate_f, h5oclose_f, h5lcreate_hard_f, h5rcreate_f, hobj_ref_t_f, &
+      h5pset_est_link_info_f, &
       h5lexists_f, h5acreate_f, h5awrite_f, h5aclose_f, h5adelete_f, h5screate_f, &
       h5screate_simple_f, h5sclose_f, h5tcopy_f, h5tset_cset_f, h5tclose_f, h5pcreate_f, &
       h5pclose_f, h5pset_libver_bounds_f, h5pset_fclose_degree_f, h5pset_link_creation_order_f, &
@@ -42,6 +43,7 @@ module kj_h5
    end type forms_t
 
    integer, parameter :: MOST_INLINE = 64    !! attributes or links kept in an object's header
+   integer, parameter :: LINKS = 40, LETTERS = 12         !! links of a group, of their names: about
    integer(size_t), parameter :: CORE_INCREMENT = 256*1024      !! by which a file in memory grows
 
 contains
@@ -97,8 +99,7 @@ contains
       if (allocated(error)) return
       access = -1
       call start_object(H5P_FILE_CREATE_F, creation, status)
-      if (status >= 0) call h5pset_link_creation_order_f(creation, order_flags(), status)
-      if (status >= 0) call h5pset_link_phase_change_f(creation, MOST_INLINE, MOST_INLINE/2, status)
+      call prepare_links(creation, status)
       if (status >= 0) call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
       if (status >= 0 .and. image) then            ! its chunks are not written by HDF5
          call h5pset_fapl_core_f(access, CORE_INCREMENT, .false., status)
@@ -167,6 +168,18 @@ contains
       order_flags = ior(H5P_CRT_ORDER_TRACKED_F, H5P_CRT_ORDER_INDEXED_F)
    end function order_flags
 
+   !> Creation properties of links: they keep their order, and stand in the header of the group,
+   !> which has room for them from the start
+   subroutine prepare_links(plist, status)
+      integer(hid_t), intent(in) :: plist
+      integer, intent(inout) :: status          !! nothing is done where it is negative
+
+      if (status >= 0) call h5pset_link_creation_order_f(plist, order_flags(), status)
+      if (status >= 0) call h5pset_link_phase_change_f(plist, MOST_INLINE, MOST_INLINE/2, &
+         status)
+      if (status >= 0) call h5pset_est_link_info_f(plist, LINKS, LETTERS, status)
+   end subroutine prepare_links
+
    !> Create a group and leave it open
    subroutine create_group(parent, name, group, error)
       integer(hid_t), intent(in) :: parent
@@ -180,8 +193,7 @@ contains
       group = -1
       if (allocated(error)) return
       call start_object(H5P_GROUP_CREATE_F, plist, status)
-      if (status >= 0) call h5pset_link_creation_order_f(plist, order_flags(), status)
-      if (status >= 0) call h5pset_link_phase_change_f(plist, MOST_INLINE, MOST_INLINE/2, status)
+      call prepare_links(plist, status)
       if (status >= 0) call h5gcreate_f(parent, name, group, status, gcpl_id=plist)
       if (plist > 0) call h5pclose_f(plist, ignored)
       call check(status, 'create the group '//name, error)
