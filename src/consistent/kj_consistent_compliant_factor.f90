@@ -1,4 +1,4 @@
-!> Block factor L D L^T, D = 1 or -1, of the matrix of the joints, and solutions with it. Pattern
+!> Factor L D L^T, in blocks, of the matrix of the joints, and solutions with it. Pattern
 !> and order are fixed: the same bits always. Blocks are 3 x 3: calls of LAPACK would cost more.
 !> Source: docs/theory/compliant.md 4.
 module kj_consistent_compliant_factor
@@ -21,8 +21,8 @@ contains
       allocate (factor%sign(pattern%n), source=1.0_wp)
    end subroutine new_factor
 
-   !> The matrix becomes its factor; the diagonals of diagonal blocks become their inverses.
-   !> good: all pivots have the sign of their node
+   !> The matrix becomes its factor; good: all pivots have the sign of their node. Of diagonal blocks
+   !> l d l^T there are l, without its ones, and 1/d on the diagonal; below them is l d.
    pure subroutine factorise(pattern, factor, good)
       type(pattern_t), intent(in) :: pattern
       type(factor_t), intent(inout) :: factor
@@ -38,63 +38,69 @@ contains
       real(wp), intent(inout) :: diagonal(4, 3, n), below(4, 3, *)
       logical, intent(out) :: good
 
-      real(wp) :: signed(4, 3)
+      real(wp) :: l(4, 3)
       integer :: i, a, b, next
 
       next = 1
       do i = 1, n
-         call root(sign(i), diagonal(:, :, i), good)
+         call factor_block(sign(i), diagonal(:, :, i), good)
          if (.not. good) return
          do a = first(i), first(i + 1) - 1
-            call divide(diagonal(:, :, i), below(:, :, a))
-            signed = sign(i)*below(:, :, a)
+            call divide(diagonal(:, :, i), below(:, :, a), l)
             do b = first(i), a - 1
-               call subtract(signed, below(:, :, b), below(:, :, update(next)))
+               call subtract(l, below(:, :, b), below(:, :, update(next)))
                next = next + 1
             end do
-            call subtract(signed, below(:, :, a), diagonal(:, :, row(a)))
+            call subtract(l, below(:, :, a), diagonal(:, :, row(a)))
          end do
       end do
    end subroutine factor_columns
 
-   !> Lower triangle := the Cholesky factor of sign times it, with the inverse on the diagonal
-   pure subroutine root(sign, a, good)
-      real(wp), intent(in) :: sign
-      real(wp), intent(inout) :: a(4, 3)
+   pure subroutine factor_block(sign, a, good)
+      real(wp), intent(in) :: sign               !! of the pivots
+      real(wp), intent(inout) :: a(4, 3)         !! lower triangle
       logical, intent(out) :: good
 
-      good = .true.
-      call pivot(sign*a(1, 1), a(1, 1), good)
-      a(2, 1) = sign*a(2, 1)*a(1, 1)
-      a(3, 1) = sign*a(3, 1)*a(1, 1)
-      call pivot(sign*a(2, 2) - a(2, 1)*a(2, 1), a(2, 2), good)
-      a(3, 2) = (sign*a(3, 2) - a(3, 1)*a(2, 1))*a(2, 2)
-      call pivot(sign*a(3, 3) - a(3, 1)*a(3, 1) - a(3, 2)*a(3, 2), a(3, 3), good)
+      real(wp) :: d2, d3, part
+
+      part = a(2, 1)
+      good = is_pivot(a(1, 1))
+      a(1, 1) = 1.0_wp/a(1, 1)
+      a(2, 1) = part*a(1, 1)
+      d2 = a(2, 2) - a(2, 1)*part
+      part = a(3, 2) - a(3, 1)*a(2, 1)
+      good = good .and. is_pivot(d2)
+      a(2, 2) = 1.0_wp/d2
+      a(3, 2) = part*a(2, 2)
+      d3 = a(3, 3) - a(3, 1)*(a(3, 1)*a(1, 1)) - a(3, 2)*part
+      a(3, 1) = a(3, 1)*a(1, 1)
+      good = good .and. is_pivot(d3)
+      a(3, 3) = 1.0_wp/d3
 
    contains
 
-      pure subroutine pivot(p, a, good)
-         real(wp), intent(in) :: p
-         real(wp), intent(inout) :: a
-         logical, intent(inout) :: good
+      pure logical function is_pivot(d)
+         real(wp), intent(in) :: d
 
-         good = good .and. p > 0.0_wp .and. p <= huge(1.0_wp)
-         if (good) a = 1.0_wp/sqrt(p)
-      end subroutine pivot
-   end subroutine root
+         is_pivot = sign*d > 0.0_wp .and. abs(d) <= huge(d)
+      end function is_pivot
+   end subroutine factor_block
 
-   !> b := b l^-T, row by row
-   pure subroutine divide(l, b)
-      real(wp), intent(in) :: l(4, 3)
+   !> b := b l^-T, row by row, and over the pivots
+   pure subroutine divide(diagonal, b, l)
+      real(wp), intent(in) :: diagonal(4, 3)
       real(wp), intent(inout) :: b(4, 3)
+      real(wp), intent(out) :: l(4, 3)
 
       integer :: i
 
       !$omp simd
       do i = 1, 4
-         b(i, 1) = b(i, 1)*l(1, 1)
-         b(i, 2) = (b(i, 2) - b(i, 1)*l(2, 1))*l(2, 2)
-         b(i, 3) = (b(i, 3) - b(i, 1)*l(3, 1) - b(i, 2)*l(3, 2))*l(3, 3)
+         b(i, 2) = b(i, 2) - b(i, 1)*diagonal(2, 1)
+         b(i, 3) = b(i, 3) - b(i, 1)*diagonal(3, 1) - b(i, 2)*diagonal(3, 2)
+         l(i, 1) = b(i, 1)*diagonal(1, 1)
+         l(i, 2) = b(i, 2)*diagonal(2, 2)
+         l(i, 3) = b(i, 3)*diagonal(3, 3)
       end do
    end subroutine divide
 
@@ -118,25 +124,25 @@ contains
       type(pattern_t), intent(in) :: pattern
       type(factor_t), intent(inout) :: factor
 
-      call solve_columns(pattern%n, pattern%first, pattern%row, factor%sign, factor%diagonal, &
-         factor%below, factor%x)
+      call solve_columns(pattern%n, pattern%first, pattern%row, factor%diagonal, factor%below, &
+         factor%x)
    end subroutine solve
 
-   pure subroutine solve_columns(n, first, row, sign, diagonal, below, x)
+   pure subroutine solve_columns(n, first, row, diagonal, below, x)
       integer, intent(in) :: n, first(n + 1), row(*)
-      real(wp), intent(in) :: sign(n), diagonal(4, 3, n), below(4, 3, *)
+      real(wp), intent(in) :: diagonal(4, 3, n), below(4, 3, *)
       real(wp), intent(inout) :: x(4, n)
 
-      real(wp) :: y(3), x1, x2, x3
+      real(wp) :: y(4, 3), x1, x2, x3
       integer :: i, a
 
       do i = 1, n
-         x1 = x(1, i)*diagonal(1, 1, i)
-         x2 = (x(2, i) - diagonal(2, 1, i)*x1)*diagonal(2, 2, i)
-         x3 = (x(3, i) - diagonal(3, 1, i)*x1 - diagonal(3, 2, i)*x2)*diagonal(3, 3, i)
-         x1 = sign(i)*x1
-         x2 = sign(i)*x2
-         x3 = sign(i)*x3
+         x1 = x(1, i)
+         x2 = x(2, i) - diagonal(2, 1, i)*x1
+         x3 = x(3, i) - diagonal(3, 1, i)*x1 - diagonal(3, 2, i)*x2
+         x1 = x1*diagonal(1, 1, i)
+         x2 = x2*diagonal(2, 2, i)
+         x3 = x3*diagonal(3, 3, i)
          do a = first(i), first(i + 1) - 1
             call take(below(:, :, a), x1, x2, x3, x(:, row(a)))
          end do
@@ -147,10 +153,10 @@ contains
          do a = first(i), first(i + 1) - 1
             call add_turned(below(:, :, a), x(:, row(a)), y)
          end do
-         x3 = (x(3, i) - sign(i)*y(3))*diagonal(3, 3, i)
-         x2 = (x(2, i) - sign(i)*y(2) - diagonal(3, 2, i)*x3)*diagonal(2, 2, i)
-         x(1, i) = (x(1, i) - sign(i)*y(1) - diagonal(3, 1, i)*x3 - diagonal(2, 1, i)*x2)* &
-            diagonal(1, 1, i)
+         x3 = x(3, i) - (y(1, 3) + y(2, 3) + y(3, 3))*diagonal(3, 3, i)
+         x2 = x(2, i) - (y(1, 2) + y(2, 2) + y(3, 2))*diagonal(2, 2, i) - diagonal(3, 2, i)*x3
+         x(1, i) = x(1, i) - (y(1, 1) + y(2, 1) + y(3, 1))*diagonal(1, 1, i) - &
+            diagonal(3, 1, i)*x3 - diagonal(2, 1, i)*x2
          x(2, i) = x2
          x(3, i) = x3
       end do
@@ -169,15 +175,18 @@ contains
       end do
    end subroutine take
 
-   !> y := y + b^T x
+   !> Columns of y := y + b, each times x: their sums are b^T x
    pure subroutine add_turned(b, x, y)
       real(wp), intent(in) :: b(4, 3), x(4)
-      real(wp), intent(inout) :: y(3)
+      real(wp), intent(inout) :: y(4, 3)
 
-      integer :: j
+      integer :: i, j
 
       do j = 1, 3
-         y(j) = y(j) + (b(1, j)*x(1) + b(2, j)*x(2) + b(3, j)*x(3))
+         !$omp simd
+         do i = 1, 4
+            y(i, j) = y(i, j) + b(i, j)*x(i)
+         end do
       end do
    end subroutine add_turned
 
