@@ -227,6 +227,8 @@ contains
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
+      real(wp) :: now
+
       if (.not. course%sure .and. sim%scheme%now%cycle > 1) then   ! on a full step
          call refuse_years(sim%model%model_t, sim%scheme, sim%options%force, &
             status%cycles_to_go, error)
@@ -234,7 +236,11 @@ contains
          if (allocated(error)) return
       end if
       call tell(sim, status)
+      now = wall_clock()
+      status%wall_solve = status%wall_solve + now - course%clock
       call monitor%tick(status, course%stop)
+      course%clock = wall_clock()
+      status%wall_output = status%wall_output + course%clock - now
    end subroutine pass
 
    !> Hand the monitor the state where it wants it: the state now, or that from before the steps
