@@ -23,6 +23,7 @@ module kj_trace
       integer, allocatable :: kind(:)            !! (n) TRACE_ constant
       integer, allocatable :: index(:)           !! (n) element, body or node
       integer :: first = 0, last = -1            !! cycles
+      integer :: seen = -1                       !! the one before this
    end type trace_plan_t
 
    !> A body or free node; W
@@ -143,12 +144,13 @@ contains
       end subroutine add
    end subroutine tell_ids
 
-   !> This cycle is one of those asked for
+   !> This cycle is one of those asked for, or the end of some that are taken at once
    pure logical function is_traced(plan, cycle) result(traced)
       type(trace_plan_t), intent(in) :: plan
       integer, intent(in) :: cycle
 
-      traced = cycle >= plan%first .and. cycle <= plan%last
+      traced = cycle >= plan%first .and. (cycle <= plan%last .or. (plan%seen >= 0 .and. &
+         plan%seen < plan%last))
    end function is_traced
 
    !> The next cycle to look at; huge when there is none

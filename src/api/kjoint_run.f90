@@ -1,4 +1,5 @@
 !> The run: samples, status, outcome.
+!> One file: the course of a run.
 submodule (kjoint) kjoint_run
    use kj_error, only: fail, str
    use kj_system, only: wall_clock
@@ -116,12 +117,11 @@ contains
       call tell(sim, status)
       call warn_after(sim%model%model_t, sim%scheme, status%warnings)
       call warn_give(sim%model%model_t, sim%history, sim%extremes, status%warnings)
-      status%wall_solve = status%wall_solve + wall_clock() - course%clock
-      course%clock = wall_clock()
+      call charge(status%wall_solve, course%clock)
       call monitor%tick(status, ignored)
       call end_history(sink, course%stop, monitor%stop_code, status%cycle, error)
       if (allocated(sim%row)) deallocate (sim%row)
-      status%wall_output = status%wall_output + wall_clock() - course%clock
+      call charge(status%wall_output, course%clock)
       sim%running = .false.
    end subroutine end_run
 
@@ -176,6 +176,7 @@ contains
             call take_trace(sim%model, sim%scheme, sim%trace, trace)
             call monitor%see(trace)
          end if
+         sim%trace%seen = cycle
          sim%scheme%pause = next_cycle(sim%trace, cycle)
       end associate
    end subroutine look
@@ -227,8 +228,6 @@ contains
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: now
-
       if (.not. course%sure .and. sim%scheme%now%cycle > 1) then   ! on a full step
          call refuse_years(sim%model%model_t, sim%scheme, sim%options%force, &
             status%cycles_to_go, error)
@@ -236,11 +235,9 @@ contains
          if (allocated(error)) return
       end if
       call tell(sim, status)
-      now = wall_clock()
-      status%wall_solve = status%wall_solve + now - course%clock
+      call charge(status%wall_solve, course%clock)
       call monitor%tick(status, course%stop)
-      course%clock = wall_clock()
-      status%wall_output = status%wall_output + course%clock - now
+      call charge(status%wall_output, course%clock)
    end subroutine pass
 
    !> Hand the monitor the state where it wants it: the state now, or that from before the steps
@@ -311,20 +308,27 @@ contains
       type(run_status_t), intent(inout) :: status
       type(error_t), allocatable, intent(out) :: error
 
-      real(wp) :: now
-
-      now = wall_clock()
-      status%wall_solve = status%wall_solve + now - clock
+      call charge(status%wall_solve, clock)
       if (.not. allocated(sim%row)) allocate (sim%row(sim%history%n_value))
       call fill_row(sim, sim%row, error)
       if (.not. allocated(error)) call sink%put(sim%row, error)
-      clock = wall_clock()
-      status%wall_output = status%wall_output + clock - now
+      call charge(status%wall_output, clock)
       status%n_sample = status%n_sample + 1
       sim%rows = sim%rows + 1
       if (allocated(error)) return
       call tell(sim, status)
    end subroutine add_row
+
+   !> The time since the clock was read goes to seconds; it is read again
+   subroutine charge(seconds, clock)
+      real(wp), intent(inout) :: seconds, clock
+
+      real(wp) :: now
+
+      now = wall_clock()
+      seconds = seconds + (now - clock)
+      clock = now
+   end subroutine charge
 
    !> The limit of the energy error: that of the options, else of /STOP and /KILL.
    !> Errors: ERR_RUN when it is passed, and when the error is not a number

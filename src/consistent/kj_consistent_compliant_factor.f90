@@ -21,8 +21,8 @@ contains
       allocate (factor%sign(pattern%n), source=1.0_wp)
    end subroutine new_factor
 
-   !> The matrix becomes its factor; good: all pivots have the sign of their node. Of diagonal blocks
-   !> l d l^T there are l, without its ones, and 1/d on the diagonal; below them is l d.
+   !> The matrix becomes its factor; good: all pivots have the sign of their node. Of diagonal
+   !> blocks l d l^T there are l, without its ones, and 1/d on the diagonal; below them is l d.
    pure subroutine factorise(pattern, factor, good)
       type(pattern_t), intent(in) :: pattern
       type(factor_t), intent(inout) :: factor

@@ -68,15 +68,20 @@ contains
       type(consistent_model_t), intent(in) :: model
       type(compliant_t), intent(inout) :: self
 
-      integer :: b, at, n, first
+      integer :: b, at, n, first, i, k
 
       first = 0
       do b = 1, size(model%batch)
          do at = 1, size(self%joint(b)%block)
             n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
-            associate (rows => self%joint(b)%block(at))
-               rows%g(:n, :) = self%then(BEFORE)%joint(:n, 4:9, first + at)
-               rows%rise(:n, :) = 0.25_wp*rows%rise(:n, :) + 1.25_wp*rows%rise_before(:n, :)
+            associate (rows => self%joint(b)%block(at), kept => self%then(BEFORE)%joint)
+               do k = 1, self%last(b)
+                  !$omp simd
+                  do i = 1, n
+                     rows%g(i, k) = kept(i, 3 + k, first + at)
+                     rows%rise(i, k) = 0.25_wp*rows%rise(i, k) + 1.25_wp*rows%rise_before(i, k)
+                  end do
+               end do
                call extrapolate(n, self%last(b), 1.0_wp, rows)
             end associate
          end do
@@ -90,13 +95,16 @@ contains
       type(consistent_state_t), intent(inout) :: state
       real(wp), intent(out) :: way, turn
 
-      real(wp) :: most(2), angle, work
+      real(wp) :: most(2), angle, work, from(4), to(4)
       integer :: i, b, at, n, first
 
       most = 0.0_wp
       associate (fine => state%compliant%then(FINE), self => state%compliant)
          do i = 1, model%n_lead
-            call turn_on(fine%leads%quat(i, :), state%poses%quat(i, :), angle)
+            to = fine%leads%quat(i, :)
+            from = state%poses%quat(i, :)
+            call turn_on(to, from, angle)
+            state%poses%quat(i, :) = from
             if (.not. (model%inverse_mass(i) > 0.0_wp .or. model%inverse_inertia(i, 1) > 0.0_wp)) &
                cycle
             most = max(most, [sum((fine%leads%x(i, :) - state%poses%x(i, :))**2), angle])
