@@ -20,25 +20,23 @@ module kj_consistent_body
 contains
 
    !> v += h/2 f/m, L += h/2 t of n leads from ...; blocked leads have no inverse mass or inertia
-   pure subroutine kick(n, from, model, h, state)
+   pure subroutine kick(n, from, model, h, f, t, v, l)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h(from:from + n - 1)    !! the whole step of each lead
-      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(in) :: h(n)               !! the whole step of each lead
+      real(wp), intent(in), dimension(model%n_lead, 3) :: f, t
+      real(wp), intent(inout), dimension(model%n_lead, 3) :: v, l
 
-      integer :: i
+      integer :: i, j, k
 
-      associate (v => state%v, l => state%l, f => state%f, t => state%t, m => model%inverse_mass)
-         !$omp simd
-         do i = from, from + n - 1
-            v(i, 1) = v(i, 1) + 0.5_wp*h(i)*m(i)*f(i, 1)
-            v(i, 2) = v(i, 2) + 0.5_wp*h(i)*m(i)*f(i, 2)
-            v(i, 3) = v(i, 3) + 0.5_wp*h(i)*m(i)*f(i, 3)
-            l(i, 1) = l(i, 1) + 0.5_wp*h(i)*(model%turns(i)*t(i, 1))
-            l(i, 2) = l(i, 2) + 0.5_wp*h(i)*(model%turns(i)*t(i, 2))
-            l(i, 3) = l(i, 3) + 0.5_wp*h(i)*(model%turns(i)*t(i, 3))
+      do k = 1, 3
+         !$omp simd private(i)
+         do j = 1, n
+            i = from + j - 1
+            v(i, k) = v(i, k) + 0.5_wp*h(j)*model%inverse_mass(i)*f(i, k)
+            l(i, k) = l(i, k) + 0.5_wp*h(j)*(model%turns(i)*t(i, k))
          end do
-      end associate
+      end do
    end subroutine kick
 
    !> x += h v, and the free rotation over h of n leads from ..., at most BLOCK.
@@ -46,11 +44,13 @@ contains
    !> Three unequal inertias: half, half about the smallest and the middle axis, whole about the
    !> largest, and back. Two equal ones: the exact motion, a turn h L/It in space and one about the
    !> axis of symmetry by h l (1/Ia - 1/It).
-   pure subroutine drift(n, from, model, h, state)
+   pure subroutine drift(n, from, model, h, v, momentum, x, d, quat)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h(n)
-      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(in), dimension(model%n_lead, 3) :: v, momentum
+      real(wp), intent(inout), dimension(model%n_lead, 3) :: x, d
+      real(wp), intent(inout) :: quat(model%n_lead, 4)
 
       real(wp), dimension(BLOCK, 3) :: l, space, part, w
       real(wp) :: q(BLOCK, 4), scale
@@ -59,12 +59,12 @@ contains
 
       to = from + n - 1
       do k = 1, 3
-         state%poses%x(from:to, k) = state%poses%x(from:to, k) + h(:n)*state%v(from:to, k)
-         state%poses%d(from:to, k) = state%poses%d(from:to, k) + h(:n)*state%v(from:to, k)
-         l(:n, k) = state%l(from:to, k)
+         x(from:to, k) = x(from:to, k) + h(:n)*v(from:to, k)
+         d(from:to, k) = d(from:to, k) + h(:n)*v(from:to, k)
+         l(:n, k) = momentum(from:to, k)
       end do
       do k = 1, 4
-         q(:n, k) = state%poses%quat(from:to, k)
+         q(:n, k) = quat(from:to, k)
       end do
       unequal = any(model%equal(from:to) == 0)
       if (any(model%equal(from:to) > 0)) then
@@ -90,10 +90,10 @@ contains
          scale = 1.5_wp - 0.5_wp*(q(i, 1)**2 + q(i, 2)**2 + q(i, 3)**2 + q(i, 4)**2)
          ! a lead at rest does not change by a rounding
          scale = merge(scale, 1.0_wp, model%inverse_inertia(from + i - 1, 1) > 0.0_wp)
-         state%poses%quat(from + i - 1, 1) = q(i, 1)*scale
-         state%poses%quat(from + i - 1, 2) = q(i, 2)*scale
-         state%poses%quat(from + i - 1, 3) = q(i, 3)*scale
-         state%poses%quat(from + i - 1, 4) = q(i, 4)*scale
+         quat(from + i - 1, 1) = q(i, 1)*scale
+         quat(from + i - 1, 2) = q(i, 2)*scale
+         quat(from + i - 1, 3) = q(i, 3)*scale
+         quat(from + i - 1, 4) = q(i, 4)*scale
       end do
    end subroutine drift
 
@@ -202,33 +202,27 @@ contains
       call turn_arm(n, p, a, b)
    end subroutine conjugate_turn
 
-   !> Velocities of the poses of n leads from ... after another half kick: v + h/2 f/m,
-   !> J^-1 (L + h/2 t), with what the host of single joints adds to f and t
-   pure subroutine predict(n, from, model, h, e, state)
+   !> Velocities of n leads from ... after another half kick: v + h/2 f/m, J^-1 (L + h/2 t)
+   pure subroutine predict(n, from, model, h, e, f, t, v, momentum, v_ahead, w_ahead)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h(n), e(BLOCK, 9)      !! frames of the leads
-      type(consistent_state_t), intent(inout) :: state
+      real(wp), intent(in) :: f(BLOCK, 3), t(BLOCK, 3)   !! of them
+      real(wp), intent(in), dimension(model%n_lead, 3) :: v, momentum
+      real(wp), intent(inout), dimension(model%n_lead, 3) :: v_ahead, w_ahead
 
-      real(wp), dimension(BLOCK, 3) :: f, t, l
-      integer :: to, i, j, k
+      real(wp) :: l(BLOCK, 3)
+      integer :: i, j, k
 
-      to = from + n - 1
-      f(:n, :) = state%f(from:to, :)
-      t(:n, :) = state%t(from:to, :)
-      if (allocated(state%f_ahead)) then
-         f(:n, :) = f(:n, :) + state%f_ahead(from:to, :)
-         t(:n, :) = t(:n, :) + state%t_ahead(from:to, :)
-      end if
       do k = 1, 3
          !$omp simd private(j)
          do i = 1, n
             j = from + i - 1
-            state%poses%v(j, k) = state%v(j, k) + 0.5_wp*h(i)*model%inverse_mass(j)*f(i, k)
-            l(i, k) = state%l(j, k) + 0.5_wp*h(i)*t(i, k)
+            v_ahead(j, k) = v(j, k) + 0.5_wp*h(i)*model%inverse_mass(j)*f(i, k)
+            l(i, k) = momentum(j, k) + 0.5_wp*h(i)*t(i, k)
          end do
       end do
-      call spin_block(n, from, model, e, l, state%poses%w)
+      call spin_block(n, from, model, e, l, w_ahead)
    end subroutine predict
 
    !> w = J^-1 L of leads lo..hi
@@ -250,8 +244,8 @@ contains
    pure subroutine spin(n, from, model, quat, l, w)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
-      real(wp), contiguous, intent(in) :: quat(:, :), l(:, :)
-      real(wp), contiguous, intent(inout) :: w(:, :)
+      real(wp), intent(in) :: quat(model%n_lead, 4), l(model%n_lead, 3)
+      real(wp), intent(inout) :: w(model%n_lead, 3)
 
       real(wp) :: part(BLOCK, 3), e(BLOCK, 9)
       integer :: k
@@ -259,14 +253,14 @@ contains
       do k = 1, 3
          part(:n, k) = l(from:from + n - 1, k)
       end do
-      call lead_frames(n, from, quat, e)
+      call lead_frames(n, from, model%n_lead, quat, e)
       call spin_block(n, from, model, e, part, w)
    end subroutine spin
 
    !> Principal axes of n leads from ..., at most BLOCK
-   pure subroutine lead_frames(n, from, quat, e)
-      integer, value :: n, from
-      real(wp), contiguous, intent(in) :: quat(:, :)
+   pure subroutine lead_frames(n, from, n_lead, quat, e)
+      integer, value :: n, from, n_lead
+      real(wp), intent(in) :: quat(n_lead, 4)
       real(wp), intent(out) :: e(BLOCK, 9)
 
       real(wp) :: q(BLOCK, 4)
@@ -283,7 +277,7 @@ contains
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: e(BLOCK, 9), l(BLOCK, 3)
-      real(wp), contiguous, intent(inout) :: w(:, :)
+      real(wp), intent(inout) :: w(model%n_lead, 3)
 
       real(wp) :: s1, s2, s3
       integer :: i, j
@@ -312,7 +306,7 @@ contains
 
       do from = lo, hi, BLOCK
          n = min(BLOCK, hi - from + 1)
-         call lead_frames(n, from, quat, e)
+         call lead_frames(n, from, model%n_lead, quat, e)
          call inertias_of(n, from, model, e, ij)
       end do
    end subroutine inverse_inertias
@@ -322,7 +316,7 @@ contains
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: e(BLOCK, 9)             !! frames of these leads
-      real(wp), contiguous, intent(inout) :: ij(:, :)
+      real(wp), intent(inout) :: ij(model%n_lead, 6)
 
       integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
       integer :: i, j, k

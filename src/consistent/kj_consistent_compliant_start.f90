@@ -63,7 +63,8 @@ contains
          call solve_all(.true., self)
          pass%what = GIVE
          call over_joints(model, pass, state, self)
-         call kick(model%n_lead, 1, model, spread(h, 1, model%n_lead), state)
+         call kick(model%n_lead, 1, model, spread(h, 1, model%n_lead), state%f, &
+            state%t, state%v, state%l)
          call project_all(model, final, active, WHOLE, state)
          state%work = work
          if (state%cycle > 0) then

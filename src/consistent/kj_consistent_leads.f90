@@ -1,5 +1,6 @@
 !> What a step does with its leads, block by block: between the forces of two poses a lead depends
 !> on no other.
+!> One file: the stages of a step, and the kernels of few leads that they share.
 !> Source: docs/theory/consistent.md 2.
 module kj_consistent_leads
    use kj_kinds, only: wp
@@ -132,23 +133,17 @@ contains
       real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: i, k, first, last
+      integer :: i, first, last
 
       call add_impulses(n, from, model, h, state)
       call holds(model, from, first, last)
       if (last >= first) call keep_rates(model, first, last, state)
-      call kick(n, from, model, h, state)
+      call kick(n, from, model, h, state%f, state%t, state%v, state%l)
       if (last >= first) call project(model, state%mean, state%active, FIRST_HALF, first, last, &
          state)
       call spin(n, from, model, state%poses%quat, state%l, state%poses%w)
-      do k = 1, 3
-         !$omp simd
-         do i = from, from + n - 1
-            state%poses%psi(i, k) = 0.5_wp*h(i - from + 1)*state%poses%w(i, k)
-            state%poses%w_left(i, k) = state%poses%w(i, k)
-            state%poses%v(i, k) = state%v(i, k)
-         end do
-      end do
+      call open_turn(n, from, model%n_lead, h, state%v, state%poses%w, state%poses%psi, &
+         state%poses%w_left, state%poses%v)
       do i = first, last
          state%kept%quat(:, i) = state%poses%quat(model%hold(i)%lead, :)
          state%kept%w(:, i) = state%poses%w(model%hold(i)%lead, :)
@@ -156,11 +151,31 @@ contains
       if (midpoint) then
          call midpoint_drift(model, state, h, from, from + n - 1)
       else
-         call drift(n, from, model, h, state)
+         call drift(n, from, model, h, state%v, state%l, state%poses%x, state%poses%d, &
+            state%poses%quat)
       end if
       if (last >= first) call hold_rotations(model, state%mean, state%active, first, last, state)
       call open_block(n, from, model, h, state)
    end subroutine move_block
+
+   !> Velocities of the half step and the turn in its first half
+   pure subroutine open_turn(n, from, n_lead, h, v, w, psi, w_left, v_left)
+      integer, value :: n, from, n_lead
+      real(wp), intent(in) :: h(n), v(n_lead, 3), w(n_lead, 3)
+      real(wp), intent(inout), dimension(n_lead, 3) :: psi, w_left, v_left
+
+      integer :: i, j, k
+
+      do k = 1, 3
+         !$omp simd private(i)
+         do j = 1, n
+            i = from + j - 1
+            psi(i, k) = 0.5_wp*h(j)*w(i, k)
+            w_left(i, k) = w(i, k)
+            v_left(i, k) = v(i, k)
+         end do
+      end do
+   end subroutine open_turn
 
    !> First and last hold of the block of a lead
    pure subroutine holds(model, lead, first, last)
@@ -240,8 +255,8 @@ contains
       end do
    end subroutine open_block
 
-   !> What the dampers look at: predicted velocities, brought onto the conditions, and inverse
-   !> inertias
+   !> What the dampers look at: predicted velocities, with what the host of single joints adds to
+   !> forces, brought onto the conditions; and inverse inertias
    subroutine look_leads(model, h, lo, hi, state)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h(BLOCK)
@@ -257,12 +272,21 @@ contains
       real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: e(BLOCK, 9)
-      integer :: first, last
+      real(wp) :: e(BLOCK, 9), f(BLOCK, 3), t(BLOCK, 3)
+      integer :: to, k, first, last
 
       call holds(model, from, first, last)
-      call lead_frames(n, from, state%poses%quat, e)
-      call predict(n, from, model, h, e, state)
+      to = from + n - 1
+      do k = 1, 3
+         f(:n, k) = state%f(from:to, k)
+         t(:n, k) = state%t(from:to, k)
+      end do
+      if (allocated(state%f_ahead)) then
+         f(:n, :) = f(:n, :) + state%f_ahead(from:to, :)
+         t(:n, :) = t(:n, :) + state%t_ahead(from:to, :)
+      end if
+      call lead_frames(n, from, model%n_lead, state%poses%quat, e)
+      call predict(n, from, model, h, e, f, t, state%v, state%l, state%poses%v, state%poses%w)
       if (last >= first) call project_rates(model, state%final, state%active, first, last, state)
       call inertias_of(n, from, model, e, state%poses%ij)
    end subroutine look_block
@@ -288,7 +312,7 @@ contains
       call add_impulses(n, from, model, h, state)
       call holds(model, from, first, last)
       if (last >= first) call keep_rates(model, first, last, state)
-      call kick(n, from, model, h, state)
+      call kick(n, from, model, h, state%f, state%t, state%v, state%l)
       if (last >= first) call project(model, state%final, state%active, SECOND_HALF, first, last, &
          state)
       do k = 1, 3

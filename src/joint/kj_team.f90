@@ -16,18 +16,21 @@ module kj_team
    integer, parameter, public :: MOST = 512
 
    integer, parameter :: WINDOW = 4               !! cycles that are compared
-   integer, parameter :: SHORT = 8, LONG = 1024   !! windows of one thread after threads were slower
    integer, parameter :: AGAIN = 32               !! windows of all threads between two looks at one
+   real(wp), parameter :: DEAR = 20.0_wp          !! pause of threads that were slower, in losses
+   real(wp), parameter :: FORGET = 1.02_wp        !! by window: scenes and clocks change
 
    !> Threads, or one: on a machine that others use the one may be faster, as threads meet at the
-   !> end of each stage and wait for one that does not run. The time of the stages decides.
+   !> end of each stage and wait for one that does not run. The time of the stages decides: threads
+   !> that take longer than the quickest windows of one pause for DEAR times what that has cost, so
+   !> that looks at them never cost more than the 1/DEAR of a run.
    type :: trial_t
       integer :: threads = 1                      !! of the stages of this cycle
       real(wp) :: spent = 0.0_wp                  !! in the stages of this window [s]
-      real(wp) :: one = huge(1.0_wp)              !! in those of the last window of one thread
+      real(wp) :: one = 0.5_wp*huge(1.0_wp)       !! in those of the quickest windows of one thread
       integer :: cycles = 0                       !! of this window that have begun
-      integer :: left = 1                         !! windows before the other is tried
-      integer :: pause = SHORT
+      integer :: left = AGAIN                     !! windows of all threads before a look at one
+      real(wp) :: pause = 0.0_wp                  !! that all threads have still to make [s]
    end type trial_t
 
    !> The pieces: whole blocks
@@ -88,19 +91,17 @@ contains
          trial%cycles = trial%cycles + 1
          return
       end if
-      if (trial%threads == 1) trial%one = trial%spent
-      trial%left = trial%left - 1
       if (slower) then
+         trial%pause = DEAR*(trial%spent - trial%one)
          trial%threads = 1
-         trial%left = trial%pause
-         trial%pause = min(2*trial%pause, LONG)
-      else if (trial%left == 0 .and. trial%threads == 1) then
-         trial%threads = team%threads
+      else if (trial%threads > 1) then
+         trial%left = trial%left - 1
+         if (trial%left == 0) trial%threads = 1
+      else
+         trial%one = min(trial%spent, FORGET*trial%one)
+         trial%pause = max(0.0_wp, trial%pause - trial%spent)
          trial%left = AGAIN
-      else if (trial%left == 0) then
-         trial%threads = 1
-         trial%left = 1
-         trial%pause = SHORT
+         if (trial%pause <= 0.0_wp) trial%threads = team%threads
       end if
       trial%cycles = 1
       trial%spent = 0.0_wp
