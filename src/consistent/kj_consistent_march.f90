@@ -411,12 +411,12 @@ contains
 
       q = 0.0_wp
       do from = 1, model%n_lead, SUMMED*WINDOW
-         if (model%team%threads == 1) then
+         if (state%trial%threads == 1) then
             do b = 1, parts(from)
                call add_part(b)
             end do
          else
-            !$omp parallel do schedule(static) num_threads(model%team%threads)
+            !$omp parallel do schedule(static) num_threads(state%trial%threads)
             do b = 1, parts(from)
                call add_part(b)
             end do

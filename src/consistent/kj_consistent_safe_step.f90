@@ -130,19 +130,19 @@ contains
 
       integer :: piece
 
-      if (model%team%threads == 1) then
+      if (state%trial%threads == 1) then
          call inverse_inertias(model, state%poses%quat, 1, model%n_lead, state%poses%ij)
          do piece = 1, size(model%team%joint, 2)
             call eigenvalues_of_piece(model, state, bound, model%team%joint(:, piece), lambda)
          end do
          return
       end if
-      !$omp parallel do schedule(static) num_threads(model%team%threads)
+      !$omp parallel do schedule(static) num_threads(state%trial%threads)
       do piece = 1, size(model%team%lead, 2)
          call inverse_inertias(model, state%poses%quat, model%team%lead(1, piece), &
             model%team%lead(2, piece), state%poses%ij)
       end do
-      !$omp parallel do schedule(static) num_threads(model%team%threads)
+      !$omp parallel do schedule(static) num_threads(state%trial%threads)
       do piece = 1, size(model%team%joint, 2)
          call eigenvalues_of_piece(model, state, bound, model%team%joint(:, piece), lambda)
       end do
@@ -325,13 +325,13 @@ contains
 
       integer :: piece
 
-      if (model%team%threads == 1) then
+      if (state%trial%threads == 1) then
          do piece = 1, size(model%team%joint, 2)
             call keep_piece(model, state, model%team%joint(:, piece), bound)
          end do
          return
       end if
-      !$omp parallel do schedule(static) num_threads(model%team%threads)
+      !$omp parallel do schedule(static) num_threads(state%trial%threads)
       do piece = 1, size(model%team%joint, 2)
          call keep_piece(model, state, model%team%joint(:, piece), bound)
       end do
