@@ -145,6 +145,7 @@ module kjoint
       integer :: n_sample = 0                   !! rows given to the sink
       integer :: print_every = 100              !! /PRINT: cycles between listing lines
       real(wp) :: wall_solve = 0.0_wp, wall_output = 0.0_wp            !! [s] of wall clock
+      real(wp) :: wall_start = 0.0_wp            !! [s] of wall_solve, before the first step
       type(finding_list_t) :: warnings          !! what showed during the run, at its end
    end type run_status_t
 

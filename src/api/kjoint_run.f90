@@ -68,6 +68,7 @@ contains
 
       course%clock = wall_clock()
       if (.not. sim%restored) call start_scheme(sim%model, sim%scheme, error)
+      status%wall_start = wall_clock() - course%clock
       sim%restored = .false.
       if (.not. allocated(error)) call refuse_years(sim%model%model_t, sim%scheme, &
          sim%options%force, status%cycles_to_go, error)

@@ -285,6 +285,7 @@ contains
                ', '//json_member('nodes', s%n_node)// &
                ', '//json_pair('worst', outcome%worst_json)// &
                ', '//json_member('wall_time', outcome%elapsed)// &
+               ', '//json_member('wall_start', s%wall_start)// &
                ', '//json_member('wall_solve', s%wall_solve)// &
                ', '//json_member('wall_output', s%wall_output)
          end associate

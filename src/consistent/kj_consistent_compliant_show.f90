@@ -67,10 +67,11 @@ contains
    end subroutine begin_show
 
    !> As before
-   subroutine end_show(state)
+   subroutine end_show(model, state)
+      type(consistent_model_t), intent(in) :: model
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: b, at
+      integer :: b, at, n
 
       if (.not. allocated(state%compliant)) return
       associate (self => state%compliant)
@@ -79,8 +80,9 @@ contains
          do b = 1, size(self%rowed)
             if (.not. self%rowed(b)) cycle
             do at = 1, size(self%joint(b)%block)
-               where (self%joint(b)%block(at)%weight > 0.0_wp) &
-                  state%joint(b)%block(at)%fd = 0.0_wp
+               n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
+               where (self%joint(b)%block(at)%weight(:n, :) > 0.0_wp) &
+                  state%joint(b)%block(at)%fd(:n, :) = 0.0_wp
             end do
          end do
       end associate

@@ -90,7 +90,7 @@ contains
 
       type(pass_t) :: pass
       logical :: any_rest
-      integer :: b, at, k
+      integer :: b, at, n, k
 
       state%compliant%y = 0.0_wp                 ! no step
       call open_leads(model, state%compliant%y(:, 1), 1, model%n_lead, state)
@@ -115,12 +115,13 @@ contains
          do b = 1, size(model%batch)
             do at = 1, size(self%joint(b)%block)
                associate (lanes => state%joint(b)%block(at), rows => self%joint(b)%block(at))
+                  n = min(BLOCK, model%batch(b)%n - BLOCK*(at - 1))
                   do k = 1, NDOF
-                     lanes%fd(:, k) = 0.0_wp
-                     if (.not. self%explicit(k, b)) lanes%fe(:, k) = 0.0_wp
+                     lanes%fd(:n, k) = 0.0_wp
+                     if (.not. self%explicit(k, b)) lanes%fe(:n, k) = 0.0_wp
                      if (self%explicit(k, b) .and. self%damped(b)) &
-                        lanes%fd(:, k) = merge(0.0_wp, rows%r(:, k) + rows%rest(:, k), &
-                        rows%k(:, k) > 0.0_wp)
+                        lanes%fd(:n, k) = merge(0.0_wp, rows%r(:n, k) + rows%rest(:n, k), &
+                        rows%k(:n, k) > 0.0_wp)
                   end do
                end associate
             end do

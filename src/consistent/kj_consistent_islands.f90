@@ -234,7 +234,7 @@ contains
          call begin_show(part(p)%model, part(p)%march%pace, part(p)%state)
          call gather_leads(part(p)%cut, part(p)%state, state)
          call gather_joints(part(p)%cut, part(p)%model, model, part(p)%state, state)
-         call end_show(part(p)%state)
+         call end_show(part(p)%model, part(p)%state)
          state%work = state%work + part(p)%state%work
          state%energy = state%energy + part(p)%state%energy
       end do

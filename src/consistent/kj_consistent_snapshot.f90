@@ -55,7 +55,7 @@ contains
       call add_looseness(model, state, now)
       call note_loosest(model, now)
       now%balance = balance_of(model%model_t, now)
-      if (size(part) == 0) call end_show(state)
+      if (size(part) == 0) call end_show(model, state)
    end subroutine show_consistent
 
    !> Cycle, time, step and who limits it

@@ -470,6 +470,8 @@ class Check(Program):
         report = json.loads(self.kjoint("check", "--json", "REV01_0000.rad").stdout)
         run = json.loads(self.kjoint("run", "--json", "REV01_0000.rad").stdout)
         self.assertAlmostEqual(11, report["samples"], delta=1)
+        self.assertGreater(run["wall_start"], 0)               # the start is a part of the solver's time
+        self.assertGreater(run["wall_solve"], run["wall_start"])
         self.assertLess(abs(report["cycles"] / run["cycles"] - 1), 0.2)
         self.assertLess(report["seconds"], 60)
         self.assertRegex(self.kjoint("check", "REV01_0000.rad").stdout,
