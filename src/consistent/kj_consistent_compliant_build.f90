@@ -232,7 +232,7 @@ contains
          if (run == 1) call new_pattern(n, pair(:, :n_pair), self%pattern)
       end do
       call new_factor(self%pattern, self%factor)
-      call new_factor(self%pattern, self%first)
+      if (self%rigid) call new_factor(self%pattern, self%first)
       do i = 1, size(self%hub)
          self%factor%sign(self%pattern%column([0, 1] + self%body(self%hub(i)))) = -1.0_wp
       end do

@@ -60,7 +60,6 @@ contains
       call put_links(state, tried, self)
       call put_bodies(model, state, active, tried, self)
       call factorise(self%pattern, self%factor, good)
-      self%damps = tried .and. size(self%damper) > 0
       self%answered = .false.
    end subroutine assemble
 
@@ -172,7 +171,7 @@ contains
          end do
       end do
       call compliance(n, self%last(b), matrix, im, ij1, ij2, s)
-      with = merge(1.0_wp, 0.0_wp, tried)        ! rows of dampers, too
+      with = merge(1.0_wp, 0.0_wp, tried .or. .not. self%apart)   ! rows of dampers, too
       do k = 1, self%last(b)
          !$omp simd private(both)
          do i = 1, n
@@ -407,6 +406,7 @@ contains
 
       integer :: b, at, i, n, run
 
+      if (.not. self%answered) call find_responses(self)
       do run = 1, 2
          do b = 1, size(model%batch)
             if (.not. self%rowed(b)) cycle
@@ -499,7 +499,7 @@ contains
          end do
       end associate
       call solve(self%pattern, self%factor)
-      if (self%damps .and. .not. damped) call take_out(self, size(self%damper))
+      if (.not. damped) call take_out(self, size(self%damper))
    end subroutine solve_all
 
    !> self%y, self%turn: what a solution moves the leads, M^-1 B^T f, B of the pose that is tried

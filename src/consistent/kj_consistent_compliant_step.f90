@@ -222,11 +222,11 @@ contains
       ! rigid rows have the weights of the short steps
       if (self%part == LONG .and. self%rigid) then
          call swap(self%first, self%factor)
-         self%damps = .false.
+         self%answered = .false.
       else if (.not. self%factored) then
          call assemble(model, state, active, .false., self, good)
       end if
-      if (self%damps .and. .not. self%answered) call find_responses(self)
+      if (good .and. .not. self%answered) call find_responses(self)
       self%factored = good
       self%h_factor = h
    end subroutine prepare

@@ -159,8 +159,7 @@ module kj_consistent_compliant_types
       logical :: factored = .false.              !! the matrix of position stages is there
       logical :: any_damper = .false.            !! rows of dampers
       logical :: apart = .false.                 !! so many that the stages have their own matrices
-      logical :: damps = .false.                 !! it has rows of dampers
-      logical :: answered = .false.              !! and what these do alone is known
+      logical :: answered = .false.              !! and the responses of the dampers that are in it
       real(wp) :: h_factor = 0.0_wp              !! step of it
       real(wp) :: h_last = 0.0_wp                !! last step, 0 = none
       real(wp) :: h_stiff = 0.0_wp               !! longest step of late, for the stiffness bound
