@@ -40,7 +40,6 @@ module kj_consistent_compliant_pass
       logical :: guessed = .false., changed = .false.   !! f
       real(wp) :: guess = 0.0_wp                 !! part of the last rise
       real(wp) :: part = 1.0_wp                  !! of r; ASK: what of r is no part of f
-      logical :: first = .false.                 !! without rotations that are no rows
       logical :: at_rest = .false.               !! without forces of implicit rows
       logical :: shift = .false.                 !! ASK: the rise is that of the last step
       real(wp) :: most(2) = 0.0_wp               !! SEE: residual, TAKE: change of f
@@ -184,14 +183,12 @@ contains
       real(wp), intent(inout) :: most(2), force(2)
 
       real(wp) :: y(BLOCK, 6), w(BLOCK, N_CONSISTENT_WRENCH)
-      logical :: brief
       integer :: i, k
 
       select case (pass%what)
       case (LOOK, SEE)
-         brief = pass%first .and. last == 3 .and. batch%geometry%chart == CHART_VECTOR
-         if (brief .and. batch%geometry%mean) brief = all(batch%geometry%plain(from:from + n - 1))
-         call coordinates(batch, brief, poses, from, n, lanes%q, rows%q, rows%b, rows%rot)
+         call coordinates(batch, batch%geometry%ball .and. last == 3, poses, from, n, lanes%q, &
+            rows%q, rows%b, rows%rot)
          if (batch%geometry%chart == CHART_VECTOR .and. batch%limited) then
             do i = 1, n                          ! locked: forces belong to the coordinates
                if (any(rows%k(i, 4:6) > 0.0_wp)) rows%b%turn(i, :) = rows%rot(i, :)

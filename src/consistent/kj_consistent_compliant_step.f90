@@ -20,7 +20,7 @@ module kj_consistent_compliant_step
    use kj_consistent_compliant_forces, only: spring_forces, damper_rows, add_rests, &
       renew_locks
    use kj_consistent_compliant_pass, only: pass_t, over_joints, close_rows, PUSH, SEE, TAKE, &
-      ASK, GIVE, look_at_joints => see_joints
+      ASK, GIVE
    use kj_consistent_compliant_undo, only: copy, keep_leads, restore_leads
    implicit none
    private
@@ -141,7 +141,6 @@ contains
             call move_leads(model, .false., state%poses%h, 1, model%n_lead, state)
             call no_forces(1, model%n_lead, model%n_lead, state%f, state%t)
             call no_forces(1, model%n_lead, size(state%own_f, 1), state%own_f, state%own_t)
-            see_joints%first = pass == 0 .and. .not. settled
             call over_joints(model, see_joints, state, self)
             good = left(1) <= CLOSE*self%e_way + ROUNDING*scale .and. &
                left(2) <= CLOSE*self%e_turn + ROUNDING
@@ -166,7 +165,6 @@ contains
             good = close_by .and. settled        ! what would change is too little for a new pose
             if (good) self%force = force
             self%left_over = merge(1.0_wp, 0.0_wp, good)
-            if (good .and. see_joints%first) call look_at_joints(model, state, self)
             if (good) return
             if (self%rigid .and. pass > 1 .and. change > SLOW*before) then
                part = part*relaxation(model, self)

@@ -232,8 +232,7 @@ contains
             call show_blocks(batch%n, joint, shown)
             if (allocated(geometry%rail)) call show_half_way(batch%xl0, geometry%rail, shown)
             if (batch%limited) shown%k_block = batch%limit%k_block
-            if (.not. allocated(state%compliant) .or. state%cycle == 0) &
-               call turn_balls(batch, state%poses, joint)
+            call turn_balls(batch, state%poses, joint)
             call joint_rates(batch, state%poses, joint, shown%rate)
             shown%ortho = 0.0_wp
             if (geometry%chart == CHART_UNIVERSAL) then
