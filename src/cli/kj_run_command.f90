@@ -207,10 +207,10 @@ contains
          end if
          if (s%unresolved > 0.0_wp .and. outcome%rigid) then
             call print_line('   not rigid     joints give way by '//few(s%unresolved, 2)// &
-               ' of the size of the scene: masses are too unlike')
+               ' of the size, or rad: masses too unlike')
          else if (s%unresolved > 0.0_wp) then
             call print_line('   not resolved  ringing of joints, about '// &
-               few(s%unresolved, 2)//' of the size of the scene; split2 shows it')
+               few(s%unresolved, 2)//' of the size, or rad: see split2')
          end if
          write (buffer, '(f12.3,a)') outcome%elapsed, ' s  ('
          call print_line('   wall time     '//trim(adjustl(buffer))// &

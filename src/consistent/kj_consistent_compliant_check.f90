@@ -74,8 +74,11 @@ contains
       type(pace_t), intent(in) :: pace
       real(wp), intent(in) :: gap, turn          !! largest of the run, length and rad
 
+      real(wp) :: size
+
       unresolved = turn
-      if (gap > 0.0_wp) unresolved = max(turn, gap/max(size_of(model), tiny(gap)))
+      size = size_of(model)
+      if (size > 0.0_wp) unresolved = max(turn, gap/size)
       if (unresolved < MUCH*pace%tolerance) unresolved = 0.0_wp
    end function unresolved
 

@@ -15,7 +15,7 @@ module kj_consistent_compliant_march
    use kj_consistent_compliant_forces, only: locks_turn
    use kj_consistent_compliant_stops, only: stop_step
    use kj_consistent_compliant_pair, only: pair_step, SOLVES
-   use kj_consistent_compliant_undo, only: keep_all, undo_step, BEFORE
+   use kj_consistent_compliant_undo, only: keep_all, undo_step, has_moved_on, BEFORE
    implicit none
    private
 
@@ -259,6 +259,7 @@ contains
             self%passes = self%passes + state%compliant%passes
          end if
          if (.not. good) then
+            if (has_moved_on(state)) call undo_step(model, state)
             self%halvings = self%halvings + 1
             self%failed = self%failed + 1
             state%compliant%failed = self%failed > MOST_HALVINGS

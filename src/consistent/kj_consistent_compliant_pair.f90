@@ -12,7 +12,8 @@ module kj_consistent_compliant_pair
    use kj_consistent_compliant_rows, only: extrapolate
    use kj_consistent_compliant_start, only: find_explicit
    use kj_consistent_compliant_step, only: compliant_step
-   use kj_consistent_compliant_undo, only: keep_all, undo_step, BEFORE, FINE
+   use kj_consistent_compliant_undo, only: keep_all, undo_step, has_moved_on, BEFORE, &
+      FINE
    use kj_consistent_step, only: place_nodes
    implicit none
    private
@@ -55,7 +56,7 @@ contains
          state%compliant%part = 0
          passes = passes + state%compliant%passes
          if (.not. good) then
-            if (part > 1) call undo_step(model, state)
+            if (part > 1 .or. has_moved_on(state)) call undo_step(model, state)
             return
          end if
       end do

@@ -161,7 +161,7 @@ contains
                settled = largest(1) <= CLOSE*force + LAST_BITS*scale*self%stiffest(1) .and. &
                   largest(2) <= scale*CLOSE*force + LAST_BITS*self%stiffest(2)
                change = max(largest(1), largest(2)/scale)
-               end associate
+            end associate
             good = close_by .and. settled        ! what would change is too little for a new pose
             if (good) self%force = force
             self%left_over = merge(1.0_wp, 0.0_wp, good)
@@ -373,9 +373,8 @@ contains
    end subroutine velocity_stage
 
    !> h/6 |v1 - 2 v+ + v(n)|, and h/6 |J^-1 (L1 - L+) - J(n)^-1 (L+ - L(n))|; the largest of the
-   !> bodies. Each change of L with the inertia of its own pose: a thin rod turns L away from
-   !> where it
-   !> is stiff.
+   !> bodies. Each change of L with the inertia of its own pose: a thin rod turns L away from where
+   !> it is stiff.
    subroutine estimate_error(model, h, state, self)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h

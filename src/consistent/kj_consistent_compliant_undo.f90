@@ -13,7 +13,7 @@ module kj_consistent_compliant_undo
    implicit none
    private
 
-   public :: copy, keep_leads, restore_leads, keep_all, undo_step
+   public :: copy, keep_leads, restore_leads, keep_all, undo_step, has_moved_on
 
    integer, parameter, public :: BEFORE = 1, FINE = 2   !! what is kept
 
@@ -125,6 +125,13 @@ contains
          end do
       end associate
    end subroutine keep_all
+
+   !> The step since then failed in its velocity stage, beyond the new pose
+   pure logical function has_moved_on(state)
+      type(consistent_state_t), intent(in) :: state
+
+      has_moved_on = state%cycle > state%compliant%then(BEFORE)%cycle
+   end function has_moved_on
 
    !> Take back all since then
    subroutine undo_step(model, state)
