@@ -92,6 +92,7 @@ int kj_run_python(const char *words, int n, int become)
         if (beside(program, 1, "libkjoint_c.so", library))       /* of a build tree */
             setenv("KJOINT_LIBRARY", library, 0);
         execvp(python, argv);
+        free(argv);
         if (become)
             return 127;
         _exit(127);
