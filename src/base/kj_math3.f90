@@ -57,25 +57,38 @@ contains
       real(wp), intent(in) :: a2(n)             !! squares of the angles [rad^2]
       real(wp), intent(out) :: s(n), c(n)
 
-      real(wp) :: a
+      real(wp) :: a4
       integer :: i
       logical :: large
 
       large = .false.
-      !$omp simd reduction(.or.:large)
+      !$omp simd private(a4) reduction(.or.:large)
       do i = 1, n
-         s(i) = 1.0_wp + a2(i)*(S1 + a2(i)*(S2 + a2(i)*(S3 + a2(i)*(S4 + a2(i)*S5))))
-         c(i) = 0.5_wp + a2(i)*(C1 + a2(i)*(C2 + a2(i)*(C3 + a2(i)*(C4 + a2(i)*C5))))
+         ! Estrin's scheme: with few joints all waits for these
+         a4 = a2(i)*a2(i)
+         s(i) = 1.0_wp + a2(i)*((S1 + a2(i)*S2) + a4*((S3 + a2(i)*S4) + a4*S5))
+         c(i) = 0.5_wp + a2(i)*((C1 + a2(i)*C2) + a4*((C3 + a2(i)*C4) + a4*C5))
          large = large .or. a2(i) >= LARGE_TURN
       end do
-      if (.not. large) return
+      if (large) call large_turns(n, a2, s, c)
+   end subroutine turn_coefficients
+
+   !> The same of the large turns of a block
+   pure subroutine large_turns(n, a2, s, c)
+      integer, value :: n
+      real(wp), intent(in) :: a2(n)
+      real(wp), intent(inout) :: s(n), c(n)
+
+      real(wp) :: a
+      integer :: i
+
       do i = 1, n
          if (a2(i) < LARGE_TURN) cycle
          a = sqrt(a2(i))
          s(i) = sin(a)/a
          c(i) = 2.0_wp*(sin(0.5_wp*a)/a)**2
       end do
-   end subroutine turn_coefficients
+   end subroutine large_turns
 
    !> atan2(y, x) of a block without a branch, in (-pi, pi]; error under 3e-16.
    !>

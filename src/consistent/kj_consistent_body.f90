@@ -75,15 +75,20 @@ contains
          part(:n, 2:3) = 0.5_wp
       end if
       call conjugate_turn(n, q, l, w)
-      call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
-      call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
-      call plane_turn(n, 1, h, part(:, 1), model%inverse_inertia(from:to, 1), q, w)
+      call plane_turn(n, h, part(:, 3), model%inverse_inertia(from:to, 3), q(:, 1), q(:, 4), &
+         q(:, 2), q(:, 3), w(:, 3), w(:, 1), w(:, 2))
+      call plane_turn(n, h, part(:, 2), model%inverse_inertia(from:to, 2), q(:, 1), q(:, 3), &
+         q(:, 4), q(:, 2), w(:, 2), w(:, 3), w(:, 1))
+      call plane_turn(n, h, part(:, 1), model%inverse_inertia(from:to, 1), q(:, 1), q(:, 2), &
+         q(:, 3), q(:, 4), w(:, 1), w(:, 2), w(:, 3))
       if (unequal) then
          do i = 1, n
             if (model%equal(from + i - 1) > 0) part(i, 2:3) = 0.0_wp
          end do
-         call plane_turn(n, 2, h, part(:, 2), model%inverse_inertia(from:to, 2), q, w)
-         call plane_turn(n, 3, h, part(:, 3), model%inverse_inertia(from:to, 3), q, w)
+         call plane_turn(n, h, part(:, 2), model%inverse_inertia(from:to, 2), q(:, 1), q(:, 3), &
+            q(:, 4), q(:, 2), w(:, 2), w(:, 3), w(:, 1))
+         call plane_turn(n, h, part(:, 3), model%inverse_inertia(from:to, 3), q(:, 1), q(:, 4), &
+            q(:, 2), q(:, 3), w(:, 3), w(:, 1), w(:, 2))
       end if
       !$omp simd private(scale)
       do i = 1, n
@@ -154,19 +159,18 @@ contains
       end do
    end subroutine turn_in_space
 
-   !> Turn about body axis a by share*h*l_a/I_a: q := q (c, s e_a), and l stays the same in space
-   pure subroutine plane_turn(n, a, h, share, ii, q, l)
-      integer, value :: n, a
-      real(wp), intent(in) :: h(n), share(n), ii(n)
-      real(wp), intent(inout) :: q(BLOCK, 4), l(BLOCK, 3)
+   !> Turn about body axis a by share*h*l_a/I_a: q := q (c, s e_a), and l stays the same in space;
+   !> columns of q and l, axes a, j, k in cyclic order
+   pure subroutine plane_turn(n, h, share, ii, q0, qa, qj, qk, la, lj, lk)
+      integer, value :: n
+      real(wp), intent(in) :: h(n), share(n), ii(n), la(n)
+      real(wp), intent(inout), dimension(n) :: q0, qa, qj, qk, lj, lk
 
       real(wp) :: x(BLOCK), x2(BLOCK), s(BLOCK), c(BLOCK), si, co, t
-      integer :: i, j, k
+      integer :: i
 
-      j = modulo(a, 3) + 1
-      k = modulo(j, 3) + 1
       do i = 1, n
-         x(i) = 0.5_wp*h(i)*share(i)*ii(i)*l(i, a)
+         x(i) = 0.5_wp*h(i)*share(i)*ii(i)*la(i)
          x2(i) = x(i)**2
       end do
       call turn_coefficients(n, x2, s, c)
@@ -174,18 +178,18 @@ contains
       do i = 1, n
          si = x(i)*s(i)
          co = 1.0_wp - x2(i)*c(i)
-         t = q(i, 1)
-         q(i, 1) = co*t - si*q(i, 1 + a)
-         q(i, 1 + a) = co*q(i, 1 + a) + si*t
-         t = q(i, 1 + j)
-         q(i, 1 + j) = co*t + si*q(i, 1 + k)
-         q(i, 1 + k) = co*q(i, 1 + k) - si*t
+         t = q0(i)
+         q0(i) = co*t - si*qa(i)
+         qa(i) = co*qa(i) + si*t
+         t = qj(i)
+         qj(i) = co*t + si*qk(i)
+         qk(i) = co*qk(i) - si*t
          t = 2.0_wp*si*co
          co = 1.0_wp - 2.0_wp*si*si
          si = t
-         t = l(i, j)
-         l(i, j) = co*t + si*l(i, k)
-         l(i, k) = co*l(i, k) - si*t
+         t = lj(i)
+         lj(i) = co*t + si*lk(i)
+         lk(i) = co*lk(i) - si*t
       end do
    end subroutine plane_turn
 
@@ -203,15 +207,15 @@ contains
    end subroutine conjugate_turn
 
    !> Velocities of n leads from ... after another half kick: v + h/2 f/m, J^-1 (L + h/2 t)
-   pure subroutine predict(n, from, model, h, e, f, t, v, momentum, v_ahead, w_ahead)
+   pure subroutine predict(n, from, model, h, inverse, f, t, v, momentum, v_ahead, w_ahead)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h(n), e(BLOCK, 9)      !! frames of the leads
+      real(wp), intent(in) :: h(n), inverse(BLOCK, 6)   !! J^-1 of the leads
       real(wp), intent(in) :: f(BLOCK, 3), t(BLOCK, 3)   !! of them
       real(wp), intent(in), dimension(model%n_lead, 3) :: v, momentum
       real(wp), intent(inout), dimension(model%n_lead, 3) :: v_ahead, w_ahead
 
-      real(wp) :: l(BLOCK, 3)
+      real(wp) :: l1, l2, l3
       integer :: i, j, k
 
       do k = 1, 3
@@ -219,10 +223,18 @@ contains
          do i = 1, n
             j = from + i - 1
             v_ahead(j, k) = v(j, k) + 0.5_wp*h(i)*model%inverse_mass(j)*f(i, k)
-            l(i, k) = momentum(j, k) + 0.5_wp*h(i)*t(i, k)
          end do
       end do
-      call spin_block(n, from, model, e, l, w_ahead)
+      !$omp simd private(j, l1, l2, l3)
+      do i = 1, n
+         j = from + i - 1
+         l1 = momentum(j, 1) + 0.5_wp*h(i)*t(i, 1)
+         l2 = momentum(j, 2) + 0.5_wp*h(i)*t(i, 2)
+         l3 = momentum(j, 3) + 0.5_wp*h(i)*t(i, 3)
+         w_ahead(j, 1) = inverse(i, 1)*l1 + inverse(i, 4)*l2 + inverse(i, 5)*l3
+         w_ahead(j, 2) = inverse(i, 4)*l1 + inverse(i, 2)*l2 + inverse(i, 6)*l3
+         w_ahead(j, 3) = inverse(i, 5)*l1 + inverse(i, 6)*l2 + inverse(i, 3)*l3
+      end do
    end subroutine predict
 
    !> w = J^-1 L of leads lo..hi
@@ -301,34 +313,49 @@ contains
       integer, intent(in) :: lo, hi
       real(wp), contiguous, intent(inout) :: ij(:, :) !! (n_lead, 6)
 
-      real(wp) :: e(BLOCK, 9)
+      real(wp) :: e(BLOCK, 9), inverse(BLOCK, 6)
       integer :: from, n
 
       do from = lo, hi, BLOCK
          n = min(BLOCK, hi - from + 1)
          call lead_frames(n, from, model%n_lead, quat, e)
-         call inertias_of(n, from, model, e, ij)
+         call inertias_of(n, from, model, e, inverse, ij)
       end do
    end subroutine inverse_inertias
 
-   !> The same of n leads from ..., at most BLOCK
-   pure subroutine inertias_of(n, from, model, e, ij)
+   !> The same of n leads from ..., at most BLOCK, and J^-1 itself
+   pure subroutine inertias_of(n, from, model, e, inverse, ij)
       integer, value :: n, from
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: e(BLOCK, 9)             !! frames of these leads
+      real(wp), intent(out) :: inverse(BLOCK, 6)      !! of these leads: xx yy zz xy xz yz
       real(wp), intent(inout) :: ij(model%n_lead, 6)
 
-      integer, parameter :: ROW(6) = [1, 2, 3, 1, 1, 2], COLUMN(6) = [1, 2, 3, 2, 3, 3]
+      real(wp) :: x1, x2, x3, y1, y2, y3
       integer :: i, j, k
 
+      !$omp simd private(j, x1, x2, x3, y1, y2, y3)
+      do i = 1, n
+         j = from + i - 1
+         x1 = model%inverse_inertia(j, 1)*e(i, 1)
+         x2 = model%inverse_inertia(j, 2)*e(i, 4)
+         x3 = model%inverse_inertia(j, 3)*e(i, 7)
+         y1 = model%inverse_inertia(j, 1)*e(i, 2)
+         y2 = model%inverse_inertia(j, 2)*e(i, 5)
+         y3 = model%inverse_inertia(j, 3)*e(i, 8)
+         inverse(i, 1) = x1*e(i, 1) + x2*e(i, 4) + x3*e(i, 7)
+         inverse(i, 2) = y1*e(i, 2) + y2*e(i, 5) + y3*e(i, 8)
+         inverse(i, 3) = model%inverse_inertia(j, 1)*e(i, 3)*e(i, 3) + &
+            model%inverse_inertia(j, 2)*e(i, 6)*e(i, 6) + &
+            model%inverse_inertia(j, 3)*e(i, 9)*e(i, 9)
+         inverse(i, 4) = x1*e(i, 2) + x2*e(i, 5) + x3*e(i, 8)
+         inverse(i, 5) = x1*e(i, 3) + x2*e(i, 6) + x3*e(i, 9)
+         inverse(i, 6) = y1*e(i, 3) + y2*e(i, 6) + y3*e(i, 9)
+      end do
       do k = 1, 6
-         !$omp simd private(j)
+         !$omp simd
          do i = 1, n
-            j = from + i - 1
-            ij(j, k) = model%n_end(j)*( &
-               model%inverse_inertia(j, 1)*e(i, ROW(k))*e(i, COLUMN(k)) + &
-               model%inverse_inertia(j, 2)*e(i, ROW(k) + 3)*e(i, COLUMN(k) + 3) + &
-               model%inverse_inertia(j, 3)*e(i, ROW(k) + 6)*e(i, COLUMN(k) + 6))
+            ij(from + i - 1, k) = model%n_end(from + i - 1)*inverse(i, k)
          end do
       end do
    end subroutine inertias_of

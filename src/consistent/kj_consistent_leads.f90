@@ -17,8 +17,8 @@ module kj_consistent_leads
 
    public :: move_leads, open_leads, look_leads, kick_leads, gather, no_forces
 
-   !> What is done with the leads that move
-   integer, parameter :: MOVE = 1, LOOK = 2, KICKING = 3
+   !> What is done with the leads that move, and with all bodies
+   integer, parameter :: MOVE = 1, LOOK = 2, KICKING = 3, IMPULSES = 4
 
 contains
 
@@ -34,8 +34,8 @@ contains
       call work_on_movers(MOVE, model, midpoint, h, lo, hi, state)
    end subroutine move_leads
 
-   !> One thing with all leads among lo..hi that move. Leads that rest have impulses alone: where
-   !> they stand at either end of a block it does not see them.
+   !> One thing with all leads among lo..hi that move. Leads that rest have impulses alone: a block
+   !> does not see those at either end of it.
    subroutine work_on_movers(what, model, midpoint, h, lo, hi, state)
       integer, intent(in) :: what
       type(consistent_model_t), intent(in) :: model
@@ -44,41 +44,48 @@ contains
       integer, intent(in) :: lo, hi
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: from, lead, n, lane, many
+      integer :: from, n, lane
 
       do from = lo, hi, BLOCK
+         if (what /= LOOK) call work_on_lanes(IMPULSES, from, 1, &
+            min(BLOCK, hi - from + 1, model%n_body - from + 1), model, midpoint, h, state)
          call movers(model, from, lane, n)
-         if (what /= LOOK) then
-            do lead = from, from + lane - 2
-               call add_impulses(1, lead, model, h(lead - from + 1:), state)
-            end do
-            do lead = from + lane + n - 1, min(from + BLOCK - 1, hi)
-               call add_impulses(1, lead, model, h(lead - from + 1:), state)
-            end do
-         end if
-         do while (n > 0)
-            many = part_of(n, model, from)
-            select case (many)                          ! few leads: kernels of their own
-            case (1)
-               call work(1, from + lane - 1, what, model, midpoint, h(lane:), state)
-            case (2)
-               call work(2, from + lane - 1, what, model, midpoint, h(lane:), state)
-            case (3)
-               call work(3, from + lane - 1, what, model, midpoint, h(lane:), state)
-            case (4)
-               call work(4, from + lane - 1, what, model, midpoint, h(lane:), state)
-            case (8)
-               call work(8, from + lane - 1, what, model, midpoint, h(lane:), state)
-            case (BLOCK)
-               call work(BLOCK, from + lane - 1, what, model, midpoint, h(lane:), state)
-            case default
-               call work(many, from + lane - 1, what, model, midpoint, h(lane:), state)
-            end select
-            lane = lane + many
-            n = n - many
-         end do
+         call work_on_lanes(what, from, lane, n, model, midpoint, h, state)
       end do
    end subroutine work_on_movers
+
+   !> The same with n leads from a place on of the block that begins with lead lo
+   subroutine work_on_lanes(what, lo, lane, n, model, midpoint, h, state)
+      integer, value :: what, lo, lane, n
+      type(consistent_model_t), intent(in) :: model
+      logical, intent(in) :: midpoint
+      real(wp), intent(in) :: h(BLOCK)
+      type(consistent_state_t), intent(inout) :: state
+
+      integer :: many
+
+      do while (n > 0)
+         many = part_of(n, model, lo)
+         select case (many)                             ! few leads: kernels of their own
+         case (1)
+            call work(1, lo + lane - 1, what, model, midpoint, h(lane:), state)
+         case (2)
+            call work(2, lo + lane - 1, what, model, midpoint, h(lane:), state)
+         case (3)
+            call work(3, lo + lane - 1, what, model, midpoint, h(lane:), state)
+         case (4)
+            call work(4, lo + lane - 1, what, model, midpoint, h(lane:), state)
+         case (8)
+            call work(8, lo + lane - 1, what, model, midpoint, h(lane:), state)
+         case (BLOCK)
+            call work(BLOCK, lo + lane - 1, what, model, midpoint, h(lane:), state)
+         case default
+            call work(many, lo + lane - 1, what, model, midpoint, h(lane:), state)
+         end select
+         lane = lane + many
+         n = n - many
+      end do
+   end subroutine work_on_lanes
 
    !> The same with n leads from ...
    subroutine work(n, from, what, model, midpoint, h, state)
@@ -90,6 +97,9 @@ contains
       type(consistent_state_t), intent(inout) :: state
 
       select case (what)
+      case (IMPULSES)
+         call add_impulse(n, from, model%n_lead, model%n_body, h, state%f, state%t, state%own_f, &
+            state%own_t, state%impulse, state%angular_impulse)
       case (MOVE)
          call move_block(n, from, model, midpoint, h, state)
       case (LOOK)
@@ -122,6 +132,7 @@ contains
       type(consistent_model_t), intent(in) :: model
 
       many = group_of(n)
+      if (many == n) return
       if (model%hold_to(block_of(lo)) > model%hold_to(block_of(lo) - 1)) many = n
    end function part_of
 
@@ -135,7 +146,6 @@ contains
 
       integer :: i, first, last
 
-      call add_impulses(n, from, model, h, state)
       call holds(model, from, first, last)
       if (last >= first) call keep_rates(model, first, last, state)
       call kick(n, from, model, h, state%f, state%t, state%v, state%l)
@@ -187,24 +197,8 @@ contains
       last = model%hold_to(block_of(lead))
    end subroutine holds
 
-   !> Half a step of the impulses of joints and of loads on secondary nodes, for the bodies of n
-   !> leads from ...
-   pure subroutine add_impulses(n, from, model, h, state)
-      integer, value :: n, from
-      type(consistent_model_t), intent(in) :: model
-      real(wp), intent(in) :: h(n)
-      type(consistent_state_t), intent(inout) :: state
-
-      if (from + n - 1 <= model%n_body) then
-         call add_impulse(n, from, model%n_lead, model%n_body, h, state%f, state%t, state%own_f, &
-            state%own_t, state%impulse, state%angular_impulse)
-      else
-         call add_impulse(model%n_body - from + 1, from, model%n_lead, model%n_body, h, state%f, &
-            state%t, state%own_f, state%own_t, state%impulse, state%angular_impulse)
-      end if
-   end subroutine add_impulses
-
-   !> p += h/2 (f - own_f), l += h/2 (t - own_t) of n bodies from ...
+   !> Half a step of the impulses of joints and of loads on secondary nodes, of n bodies from ...:
+   !> p += h/2 (f - own_f), l += h/2 (t - own_t)
    pure subroutine add_impulse(n, from, n_lead, n_body, h, f, t, own_f, own_t, p, l)
       integer, value :: n, from, n_lead, n_body
       real(wp), intent(in) :: h(n)
@@ -272,7 +266,7 @@ contains
       real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
 
-      real(wp) :: e(BLOCK, 9), f(BLOCK, 3), t(BLOCK, 3)
+      real(wp) :: e(BLOCK, 9), inverse(BLOCK, 6), f(BLOCK, 3), t(BLOCK, 3)
       integer :: to, k, first, last
 
       call holds(model, from, first, last)
@@ -286,9 +280,10 @@ contains
          t(:n, :) = t(:n, :) + state%t_ahead(from:to, :)
       end if
       call lead_frames(n, from, model%n_lead, state%poses%quat, e)
-      call predict(n, from, model, h, e, f, t, state%v, state%l, state%poses%v, state%poses%w)
+      call inertias_of(n, from, model, e, inverse, state%poses%ij)
+      call predict(n, from, model, h, inverse, f, t, state%v, state%l, state%poses%v, &
+         state%poses%w)
       if (last >= first) call project_rates(model, state%final, state%active, first, last, state)
-      call inertias_of(n, from, model, e, state%poses%ij)
    end subroutine look_block
 
    !> Second half kick of leads lo..hi and the sum of turns
@@ -307,20 +302,32 @@ contains
       real(wp), intent(in) :: h(n)
       type(consistent_state_t), intent(inout) :: state
 
-      integer :: i, k, first, last
+      integer :: first, last
 
-      call add_impulses(n, from, model, h, state)
       call holds(model, from, first, last)
       if (last >= first) call keep_rates(model, first, last, state)
       call kick(n, from, model, h, state%f, state%t, state%v, state%l)
       if (last >= first) call project(model, state%final, state%active, SECOND_HALF, first, last, &
          state)
-      do k = 1, 3
-         do i = from, min(from + n - 1, model%n_body)
-            state%turn(i, k) = state%turn(i, k) + state%poses%psi(i, k)
-         end do
-      end do
+      call add_turn(from, min(from + n - 1, model%n_body), model%n_lead, model%n_body, &
+         state%poses%psi, state%turn)
    end subroutine kick_block
+
+   !> turn += psi of bodies from..to
+   pure subroutine add_turn(from, to, n_lead, n_body, psi, turn)
+      integer, value :: from, to, n_lead, n_body
+      real(wp), intent(in) :: psi(n_lead, 3)
+      real(wp), intent(inout) :: turn(n_body, 3)
+
+      integer :: i
+
+      !$omp simd
+      do i = from, to
+         turn(i, 1) = turn(i, 1) + psi(i, 1)
+         turn(i, 2) = turn(i, 2) + psi(i, 2)
+         turn(i, 3) = turn(i, 3) + psi(i, 3)
+      end do
+   end subroutine add_turn
 
    !> The wrenches of the joints on the leads lo..hi, at most BLOCK: all that acts on them so far
    !> (afresh), or more of it

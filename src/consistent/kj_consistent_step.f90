@@ -188,7 +188,7 @@ contains
 
       if (what == NOTHING) return
       associate (team => model%team)
-         if (iand(what, GATHERING) /= 0 .and. size(model%map%hub) > 0) call sum_hubs(model%map, &
+         if (has(what, GATHERING) .and. size(model%map%hub) > 0) call sum_hubs(model%map, &
             state%trial%threads, state%wrench, state%part)
          if (state%trial%threads == 1) then
             do piece = 1, size(team%lead, 2)
@@ -237,23 +237,22 @@ contains
 
       do lo = piece(1), piece(2), BLOCK
          hi = min(lo + BLOCK - 1, piece(2))
-         if (has(MOVE)) call move_leads(model, step%midpoint, state%poses%h, lo, hi, state)
-         if (has(OPEN)) call open_leads(model, state%poses%h, lo, hi, state)
-         if (has(GATHERING)) call gather(model, has(WEIGH), lo, hi, state)
-         if (has(WEIGH)) call add_gravity(model, lo, hi, state)
-         if (has(LOOK)) call look_leads(model, state%poses%h, lo, hi, state)
-         if (has(KICKING)) call kick_leads(model, state%poses%h, lo, hi, state)
+         if (has(what, MOVE)) &
+            call move_leads(model, step%midpoint, state%poses%h, lo, hi, state)
+         if (has(what, OPEN)) call open_leads(model, state%poses%h, lo, hi, state)
+         if (has(what, GATHERING)) call gather(model, has(what, WEIGH), lo, hi, state)
+         if (has(what, WEIGH)) call add_gravity(model, lo, hi, state)
+         if (has(what, LOOK)) call look_leads(model, state%poses%h, lo, hi, state)
+         if (has(what, KICKING)) call kick_leads(model, state%poses%h, lo, hi, state)
       end do
-
-   contains
-
-      pure logical function has(part)
-         integer, intent(in) :: part
-
-         has = iand(what, part) /= 0
-      end function has
-
    end subroutine work_on_leads
+
+   !> Is a part among what leads do?
+   pure logical function has(what, part)
+      integer, intent(in) :: what, part
+
+      has = iand(what, part) /= 0
+   end function has
 
    !> A piece of the joints
    subroutine work_on_joints(what, piece, model, state)

@@ -104,7 +104,8 @@ contains
    pure logical function is_hardened(batch)
       type(joint_batch_t), intent(in) :: batch
 
-      is_hardened = any(batch%law == LAW_HARDENED)
+      is_hardened = .false.
+      if (allocated(batch%spring)) is_hardened = any(batch%law == LAW_HARDENED)
    end function is_hardened
 
    !> A batch of springs, not of joints

@@ -17,13 +17,14 @@ module kj_team
 
    integer, parameter :: WINDOW = 4               !! cycles that are compared
    integer, parameter :: AGAIN = 32               !! windows of all threads between two looks at one
-   real(wp), parameter :: DEAR = 20.0_wp          !! pause of threads that were slower, in losses
+   real(wp), parameter :: DEAR = 50.0_wp          !! pause of threads that were slower, in losses
    real(wp), parameter :: FORGET = 1.02_wp        !! by window: scenes and clocks change
 
    !> Threads, or one: on a machine that others use the one may be faster, as threads meet at the
    !> end of each stage and wait for one that does not run. The time of the stages decides: threads
-   !> that take longer than the quickest windows of one pause for DEAR times what that has cost, so
-   !> that looks at them never cost more than the 1/DEAR of a run.
+   !> that take longer than the quickest windows of one pause for DEAR times what that has cost, and
+   !> for twice as many times at each further loss in a row, so that looks at them never cost more
+   !> than the 1/DEAR of a run, and on a machine that stays busy next to nothing.
    type :: trial_t
       integer :: threads = 1                      !! of the stages of this cycle
       real(wp) :: spent = 0.0_wp                  !! in the stages of this window [s]
@@ -31,6 +32,7 @@ module kj_team
       integer :: cycles = 0                       !! of this window that have begun
       integer :: left = AGAIN                     !! windows of all threads before a look at one
       real(wp) :: pause = 0.0_wp                  !! that all threads have still to make [s]
+      real(wp) :: dear = DEAR                     !! the next pause, in losses
    end type trial_t
 
    !> The pieces: whole blocks
@@ -92,11 +94,15 @@ contains
          return
       end if
       if (slower) then
-         trial%pause = DEAR*(trial%spent - trial%one)
+         trial%pause = trial%dear*(trial%spent - trial%one)
+         trial%dear = 2.0_wp*trial%dear
          trial%threads = 1
       else if (trial%threads > 1) then
          trial%left = trial%left - 1
-         if (trial%left == 0) trial%threads = 1
+         if (trial%left == 0) then
+            trial%threads = 1
+            trial%dear = DEAR
+         end if
       else
          trial%one = min(trial%spent, FORGET*trial%one)
          trial%pause = max(0.0_wp, trial%pause - trial%spent)
