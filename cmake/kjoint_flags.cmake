@@ -56,8 +56,7 @@ endfunction()
 
 # Sources of kjoint as one file, so that the compiler makes kernels for few joints or leads where callers
 # give it that number, and no calls within a kernel, of memcpy and memset neither, which take longer than few
-# joints. Short kernels are put into those that call them (max-inline-insns-auto), so that few joints stay in
-# registers. `result`: what is compiled
+# joints. `result`: what is compiled
 function(kjoint_one_piece result)
   set(${result} ${ARGN} PARENT_SCOPE)
   if(CMAKE_BUILD_TYPE STREQUAL "Debug" OR NOT CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
@@ -69,7 +68,7 @@ function(kjoint_one_piece result)
   file(CONFIGURE OUTPUT ${piece} CONTENT "${lines}\n" @ONLY)
   set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
   set_source_files_properties(${piece} PROPERTIES COMPILE_OPTIONS "-fno-semantic-interposition;\
--fno-tree-loop-distribute-patterns;--param=ipa-cp-eval-threshold=1;--param=ipa-cp-unit-growth=400;--param=max-inline-insns-auto=200")
+-fno-tree-loop-distribute-patterns;--param=ipa-cp-eval-threshold=1;--param=ipa-cp-unit-growth=400")
   target_sources(kjoint PRIVATE ${piece})
   set(${result} ${piece} PARENT_SCOPE)
 endfunction()
