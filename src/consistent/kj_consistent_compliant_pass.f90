@@ -36,10 +36,11 @@ module kj_consistent_compliant_pass
    !> What a pass goes by, and the largest numbers that it finds, of translations and rotations
    type :: pass_t
       integer :: what = LOOK
+      logical :: turns = .true.                  !! free rotations of balls, too
       real(wp) :: h = 0.0_wp                     !! step
       logical :: guessed = .false., changed = .false.   !! f
       real(wp) :: guess = 0.0_wp                 !! part of the last rise
-      real(wp) :: part = 1.0_wp                  !! of r; ASK: what of r is no part of f
+      real(wp) :: part = 0.0_wp                  !! of r that f lacks
       logical :: at_rest = .false.               !! without forces of implicit rows
       logical :: shift = .false.                 !! ASK: the rise is that of the last step
       real(wp) :: most(2) = 0.0_wp               !! SEE: residual, TAKE: change of f
@@ -187,8 +188,8 @@ contains
 
       select case (pass%what)
       case (LOOK, SEE)
-         call coordinates(batch, batch%geometry%ball .and. last == 3, poses, from, n, lanes%q, &
-            rows%q, rows%b, rows%rot)
+         call coordinates(batch, batch%geometry%ball .and. last == 3, pass%turns, poses, from, n, &
+            lanes%q, rows%q, rows%b, rows%rot)
          if (batch%geometry%chart == CHART_VECTOR .and. batch%limited) then
             do i = 1, n                          ! locked: forces belong to the coordinates
                if (any(rows%k(i, 4:6) > 0.0_wp)) rows%b%turn(i, :) = rows%rot(i, :)
@@ -210,9 +211,10 @@ contains
          call take_solution(n, last, .false., node, column, x, rows)
          call find_change(n, last, rows, most, force)
       case (ASK)
+         if (pass%part > 0.0_wp) call correct(n, last, pass%part, rows)
          do k = 1, merge(last, 0, pass%shift)
             rows%rise_before(:n, k) = rows%rise(:n, k)
-            rows%rise(:n, k) = (rows%f(:n, k) + pass%part*rows%r(:n, k)) - rows%g(:n, k)
+            rows%rise(:n, k) = rows%f(:n, k) - rows%g(:n, k)
          end do
          call rates(batch, last, poses%v, poses%w, from, n, rows%b, y)
          call velocity_side(n, last, pass%h, pass%at_rest, lanes%q, y, rows)

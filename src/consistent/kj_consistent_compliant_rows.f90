@@ -17,43 +17,42 @@ contains
 
    !> Stiffness of implicit rows, no more than a step can see: 2/(gap h^2 s), s = B M^-1 B^T of the
    !> row alone. Rigid rows have all of it.
-   pure subroutine bound_stiffness(n, h, gap, rigid, rows)
-      integer, intent(in) :: n
+   pure subroutine bound_stiffness(n, last, h, gap, rigid, rows)
+      integer, intent(in) :: n, last             !! rows from 1 to this, 3 or 6
       real(wp), intent(in) :: h, gap             !! longest step of late
       logical, intent(in) :: rigid
       type(compliant_block_t), intent(inout) :: rows
 
-      real(wp) :: most
+      real(wp) :: most, none
       integer :: i, k
 
-      do k = 1, NDOF
+      none = merge(0.0_wp, huge(none), rigid)
+      do k = 1, last
+         !$omp simd private(most)
          do i = 1, n
-            if (.not. rows%k(i, k) > 0.0_wp) then
-               rows%most(i, k) = 0.0_wp
-               cycle
-            end if
-            associate (own => rows%own(i, k))
-               most = merge(0.0_wp, huge(most), rigid)
-               if (own > 0.0_wp) most = 2.0_wp/(gap*h**2*own)
-            end associate
-            if (.not. rigid) most = min(most, rows%k(i, k))
-            rows%most(i, k) = most
+            most = 2.0_wp/(gap*h**2*max(rows%own(i, k), tiny(most)))
+            most = merge(most, none, rows%own(i, k) > 0.0_wp)
+            most = merge(most, rows%k(i, k), rigid .or. most < rows%k(i, k))
+            rows%most(i, k) = merge(most, 0.0_wp, rows%k(i, k) > 0.0_wp)
          end do
       end do
    end subroutine bound_stiffness
 
-   !> Compliance, memory and weight of the rows for a step h
-   pure subroutine weigh_rows(n, h, rigid, rows)
-      integer, intent(in) :: n
+   !> Compliance, memory and weight of the rows for a step h; the largest 1/compliance, translations
+   !> and rotations
+   pure subroutine weigh_rows(n, last, h, rigid, rows, stiffest)
+      integer, intent(in) :: n, last
       real(wp), intent(in) :: h
       logical, intent(in) :: rigid
       type(compliant_block_t), intent(inout) :: rows
+      real(wp), intent(inout) :: stiffest(2)
 
-      real(wp) :: both, c
+      real(wp) :: both, c, most
       integer :: i, k
 
-      do k = 1, NDOF
-         !$omp simd private(both, c)
+      do k = 1, last
+         most = 0.0_wp
+         !$omp simd private(both, c) reduction(max: most)
          do i = 1, n
             c = merge(0.0_wp, rows%c(i, k), rigid .or. rows%most(i, k) < rows%k(i, k))
             both = h*rows%most(i, k) + c
@@ -61,7 +60,9 @@ contains
             both = merge(1.0_wp/max(both, tiny(both)), 0.0_wp, both > 0.0_wp)
             rows%kappa(i, k) = h*both
             rows%phi(i, k) = c*both
+            most = max(most, rows%weight(i, k))
          end do
+         stiffest((k + 2)/3) = max(stiffest((k + 2)/3), 2.0_wp/h**2*most)
       end do
    end subroutine weigh_rows
 

@@ -34,7 +34,10 @@ module kj_consistent_compliant_step
    integer, parameter :: RENEW = 8               !! steps between two looks at the stiffness bound
    real(wp), parameter :: UNLIKE = 1.6_wp        !! ratio of steps that is a jump to the joints
    real(wp), parameter :: FORGET = 0.5_wp        !! of a step, by which a longer one is forgotten
-   real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step, and of the forces
+   real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step; of forces that show
+   !> of forces, the last change in single steps and the parts of pairs: with those of the first
+   !> and the long one nothing is shown
+   real(wp), parameter :: MOST_CHANGE(0:LONG) = [1.0e-3_wp, 0.5_wp, 1.0e-2_wp, 0.5_wp]
    real(wp), parameter :: LATE = 0.5_wp          !! of the forces of the last step
    real(wp), parameter :: LAST_BITS = 16.0_wp*epsilon(1.0_wp)   !! of coordinates: noise of forces
    real(wp), parameter, public :: LEAST_STEP = 1.0e-100_wp   !! whose square is a number
@@ -59,7 +62,7 @@ contains
       call renew_locks(model, state, state%compliant, changed)
       if (changed) call put_locks(state%compliant)
       call motion_targets(model, state, h, state%mean, state%final, state%active)
-      call position_stage(model, h, state, good)
+      call position_stage(model, h, MOST_CHANGE(state%compliant%part), state, good)
       if (.not. good) then
          call restore_leads(state)
          return
@@ -105,9 +108,10 @@ contains
 
    !> Multipliers f that bring the leads to poses with q = phi q(n) + kappa f, and these poses; what
    !> is known before stands in state%compliant%start
-   subroutine position_stage(model, h, state, good)
+   subroutine position_stage(model, h, settle, state, good)
       type(consistent_model_t), intent(in) :: model
       real(wp), intent(in) :: h
+      real(wp), intent(in) :: settle             !! change of f over the forces, at most
       type(consistent_state_t), intent(inout) :: state
       logical, intent(out) :: good
 
@@ -122,6 +126,7 @@ contains
       if (.not. good) return
       push_joints%what = PUSH
       see_joints%what = SEE
+      see_joints%turns = state%compliant%part == 0
       see_joints%h = h
       take_solution%what = TAKE
       associate (self => state%compliant, left => see_joints%most, part => push_joints%part)
@@ -158,8 +163,8 @@ contains
             call over_joints(model, take_solution, state, self)
             associate (largest => take_solution%most)
                force = max(take_solution%force(1), take_solution%force(2)/scale, LATE*self%force)
-               settled = largest(1) <= CLOSE*force + LAST_BITS*scale*self%stiffest(1) .and. &
-                  largest(2) <= scale*CLOSE*force + LAST_BITS*self%stiffest(2)
+               settled = largest(1) <= settle*force + LAST_BITS*scale*self%stiffest(1) .and. &
+                  largest(2) <= scale*settle*force + LAST_BITS*self%stiffest(2)
                change = max(largest(1), largest(2)/scale)
             end associate
             good = close_by .and. settled        ! what would change is too little for a new pose
@@ -207,10 +212,8 @@ contains
             n = min(BLOCK, model%batch(b)%n - from + 1)
             associate (rows => self%joint(b)%block(at))
                if (look) call find_own(model, b, from, n, state, rows)
-               call bound_stiffness(n, stiff, self%gap, self%rigid, rows)
-               call weigh_rows(n, h, self%rigid, rows)
-               self%stiffest(1) = max(self%stiffest(1), 2.0_wp/h**2*maxval(rows%weight(:n, :3)))
-               self%stiffest(2) = max(self%stiffest(2), 2.0_wp/h**2*maxval(rows%weight(:n, 4:)))
+               call bound_stiffness(n, self%last(b), stiff, self%gap, self%rigid, rows)
+               call weigh_rows(n, self%last(b), h, self%rigid, rows, self%stiffest)
             end associate
          end do
       end do
@@ -424,7 +427,7 @@ contains
 
       if (state%compliant%known == state%cycle) return
       call motion_targets(model, state, h, state%mean, state%final, state%active)
-      call position_stage(model, h, state, good)
+      call position_stage(model, h, CLOSE, state, good)
       call restore_leads(state)
       if (.not. good) then
          call forget_guess(model, state%compliant)
