@@ -71,10 +71,12 @@ contains
       state%cycle = state%cycle + 1
       state%time = state%time + h
       state%poses%time = state%time
-      associate (start => state%compliant%start)
-         call copy(size(state%v), state%v, start%v_half)
-         call copy(size(state%v), state%poses%w, start%w_half)
-         call copy(size(state%l), state%l, start%l_half)
+      associate (start => state%compliant%start, self => state%compliant)
+         if (self%part == 0 .or. self%any_damper) then   ! else nobody asks
+            call copy(size(state%v), state%v, start%v_half)
+            call copy(size(state%v), state%poses%w, start%w_half)
+            call copy(size(state%l), state%l, start%l_half)
+         end if
       end associate
       call place_nodes(model, state)
       call find_gravity(model, state)
