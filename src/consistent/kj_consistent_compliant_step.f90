@@ -35,9 +35,9 @@ module kj_consistent_compliant_step
    real(wp), parameter :: UNLIKE = 1.6_wp        !! ratio of steps that is a jump to the joints
    real(wp), parameter :: FORGET = 0.5_wp        !! of a step, by which a longer one is forgotten
    real(wp), parameter :: CLOSE = 1.0e-3_wp      !! of the error of the step; of forces that show
-   !> of forces, the last change in single steps and the parts of pairs: with those of the first
-   !> and the long one nothing is shown
-   real(wp), parameter :: MOST_CHANGE(0:LONG) = [1.0e-3_wp, 0.5_wp, 1.0e-2_wp, 0.5_wp]
+   !> of forces, the last change in single steps and the parts of pairs: those of the first and the
+   !> long one are not shown
+   real(wp), parameter :: MOST_CHANGE(0:LONG) = [1.0e-3_wp, 1.0e-2_wp, 1.0e-3_wp, 1.0e-2_wp]
    real(wp), parameter :: LATE = 0.5_wp          !! of the forces of the last step
    real(wp), parameter :: LAST_BITS = 16.0_wp*epsilon(1.0_wp)   !! of coordinates: noise of forces
    real(wp), parameter, public :: LEAST_STEP = 1.0e-100_wp   !! whose square is a number
