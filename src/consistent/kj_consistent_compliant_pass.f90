@@ -36,7 +36,6 @@ module kj_consistent_compliant_pass
    !> What a pass goes by, and the largest numbers that it finds, of translations and rotations
    type :: pass_t
       integer :: what = LOOK
-      logical :: turns = .true.                  !! free rotations of balls, too
       real(wp) :: h = 0.0_wp                     !! step
       logical :: guessed = .false., changed = .false.   !! f
       real(wp) :: guess = 0.0_wp                 !! part of the last rise
@@ -188,8 +187,8 @@ contains
 
       select case (pass%what)
       case (LOOK, SEE)
-         call coordinates(batch, batch%geometry%ball .and. last == 3, pass%turns, poses, from, n, &
-            lanes%q, rows%q, rows%b, rows%rot)
+         call coordinates(batch, batch%geometry%ball .and. last == 3, poses, from, n, lanes%q, &
+            rows%q, rows%b, rows%rot)
          if (batch%geometry%chart == CHART_VECTOR .and. batch%limited) then
             do i = 1, n                          ! locked: forces belong to the coordinates
                if (any(rows%k(i, 4:6) > 0.0_wp)) rows%b%turn(i, :) = rows%rot(i, :)

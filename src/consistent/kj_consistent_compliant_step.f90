@@ -128,7 +128,6 @@ contains
       if (.not. good) return
       push_joints%what = PUSH
       see_joints%what = SEE
-      see_joints%turns = state%compliant%part == 0
       see_joints%h = h
       take_solution%what = TAKE
       associate (self => state%compliant, left => see_joints%most, part => push_joints%part)

@@ -86,8 +86,7 @@ contains
       at = (from - 1)/BLOCK + 1
       if (damped > 0 .and. poses%h(1) > 0.0_wp) &
          call count_damping(batch, poses%v, poses%w_left, poses%h, from, n, state)
-      call coordinates(batch, batch%geometry%ball, .true., poses, from, n, state%q, q, state%b, &
-         rot)
+      call coordinates(batch, batch%geometry%ball, poses, from, n, state%q, q, state%b, rot)
       call laws(batch, curves, poses, from, n, q, at, state, joint, f, lost)
       call keep_coordinates(n, sprung, q, f, state)
       if (batch%limited) then
@@ -125,7 +124,7 @@ contains
       if (.not. batch%geometry%ball) return
       do from = 1, batch%n, BLOCK
          associate (lanes => joint%block(block_of(from)))
-            call coordinates(batch, .false., .true., poses, from, min(BLOCK, batch%n - from + 1), &
+            call coordinates(batch, .false., poses, from, min(BLOCK, batch%n - from + 1), &
                lanes%q, q, lanes%b, rot)
          end associate
       end do
@@ -205,11 +204,10 @@ contains
    end subroutine laws
 
    !> Coordinates and B of a block, and the moments on body 1 of unit spring moments where they are
-   !> not those of B (CHART_VECTOR)
-   pure subroutine coordinates(batch, brief, turns, poses, from, n, last, q, b, rot)
+   !> not those of B (CHART_VECTOR); brief: of balls alone, without these moments and those of B
+   pure subroutine coordinates(batch, brief, poses, from, n, last, q, b, rot)
       type(joint_batch_t), intent(in) :: batch
-      logical, intent(in) :: brief               !! balls alone, without what rotations have
-      logical, intent(in) :: turns               !! but with these
+      logical, intent(in) :: brief
       type(poses_t), intent(in) :: poses
       integer, value :: from, n
       real(wp), intent(in) :: last(BLOCK, 6)        !! last coordinates
@@ -220,7 +218,7 @@ contains
       real(wp), dimension(BLOCK, 4) :: t1, t2, p
       real(wp), dimension(BLOCK, 3) :: r, arm1, arm2, xl, axis
       real(wp), dimension(BLOCK, 9) :: e
-      real(wp), dimension(BLOCK) :: angle, scalar, round
+      real(wp), dimension(BLOCK) :: angle, scalar, turns
       real(wp) :: share
       integer :: i, k
 
@@ -245,7 +243,7 @@ contains
       case (CHART_VECTOR)
          if (brief) then
             if (batch%geometry%mean) call first_skew(n, t1, r, b%force, b%couple)
-            if (turns) call nearest_vector(n, p, q(:, 4:6), axis, scalar, angle, round)
+            call nearest_vector(n, p, q(:, 4:6), axis, scalar, angle, turns)
          else
             do i = 1, n
                scalar(i) = merge(1.0_wp, 0.0_wp, batch%geometry%plain(from + i - 1))
